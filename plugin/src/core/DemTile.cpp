@@ -1,0 +1,53 @@
+#include <osgTerrainLight/DemTile.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace osgTerrainLight
+{
+
+DemTile::DemTile(int width, int height, double spacing)
+    : northSpacing(spacing), eastSpacings{spacing}, _width(width), _height(height),
+      _heights(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0.0f),
+      _valid(_heights.size(), 0)
+{
+    assert(width > 0 && height > 0 && spacing > 0.0);
+}
+
+void DemTile::setHeight(int column, int row, float heightAboveOrigin)
+{
+    // No terrain of any body is higher; beyond it the void sentinel of the GPU texture begins.
+    constexpr float limit = 1.0e6f;
+    if (!(std::abs(heightAboveOrigin) <= limit))
+    {
+        setVoid(column, row);
+        return;
+    }
+    _heights[index(column, row)] = heightAboveOrigin;
+    _valid[index(column, row)] = 1;
+}
+
+void DemTile::setVoid(int column, int row)
+{
+    _heights[index(column, row)] = 0.0f;
+    _valid[index(column, row)] = 0;
+}
+
+std::size_t DemTile::validCount() const
+{
+    return static_cast<std::size_t>(std::count(_valid.begin(), _valid.end(), std::uint8_t(1)));
+}
+
+double DemTile::eastSpacing(int row) const
+{
+    return eastSpacings.size() == 1 ? eastSpacings.front()
+                                    : eastSpacings[static_cast<std::size_t>(row)];
+}
+
+double DemTile::nominalEastSpacing() const
+{
+    return eastSpacing(_height / 2);
+}
+
+} // namespace osgTerrainLight

@@ -1,0 +1,70 @@
+#include <osgTerrainLight/LightingSettings.h>
+
+#include "core/AzimuthSet.h"
+
+#include <cmath>
+#include <sstream>
+
+namespace osgTerrainLight
+{
+
+const char* toString(HorizonQuality quality)
+{
+    switch (quality)
+    {
+    case HorizonQuality::Draft:
+        return "draft";
+    case HorizonQuality::Best:
+        return "best";
+    default:
+        return "normal";
+    }
+}
+
+bool fromString(const std::string& text, HorizonQuality& quality)
+{
+    for (HorizonQuality q : {HorizonQuality::Draft, HorizonQuality::Normal, HorizonQuality::Best})
+        if (text == toString(q))
+        {
+            quality = q;
+            return true;
+        }
+    return false;
+}
+
+const std::vector<ParameterRange>& ParameterRange::all()
+{
+    static const std::vector<ParameterRange> table = {
+        {"azimuths", "", 4, 256, "azimuths of the horizon map, a multiple of 4"},
+        {"exposure", "stops", -20, 20, "brightness of the displayed picture"},
+        {"sun-azimuth", "degrees", -360, 720, "clockwise from north"},
+        {"sun-elevation", "degrees", -90, 90, "above the horizontal"},
+        {"sun-radius", "degrees", 0.01, 10, "angular radius of the sun's disc"},
+        {"sun-irradiance", "", 0, 1e6, "on a surface that faces the sun, per channel"},
+        {"sky-radiance", "", 0, 1e6, "of the uniform sky, per channel"},
+    };
+    return table;
+}
+
+const ParameterRange* ParameterRange::find(const std::string& name)
+{
+    for (const ParameterRange& range : all())
+        if (range.name == name)
+            return &range;
+    return nullptr;
+}
+
+std::string ParameterRange::complaint(double value) const
+{
+    const bool inRange = value >= minimum && value <= maximum; // false for NaN
+    const bool isCount = name == "azimuths";
+    if (inRange && (!isCount || (value == std::floor(value) &&
+                                 AzimuthSet::isValidCount(static_cast<int>(value)))))
+        return {};
+    std::ostringstream text;
+    text << name << " = " << value << (unit.empty() ? "" : " ") << unit << ": needs "
+         << (isCount ? "a multiple of 4, " : "") << minimum << " ... " << maximum;
+    return text.str();
+}
+
+} // namespace osgTerrainLight
