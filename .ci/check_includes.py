@@ -12,8 +12,8 @@ from pathlib import Path
 PLAIN_VALUES = {"DemTile.h", "Export.h", "HorizonMap.h", "LightingSettings.h", "SkyLight.h"}
 MAY_USE_OSG = {"TerrainLighting.h", "PlacedObject.h", "ShadingTexture.h"}
 
-# Package -> what its files may include. `values` are the public headers of plain values, `public` the
-# other public headers; below those, families of foreign headers.
+# Package -> what its files may include: packages of ours (`values` are the public headers of plain
+# values, `public` the other public headers) and families of foreign headers.
 ALLOWED = {
     "values": {"values", "std"},
     "public": {"values", "public", "std"},
@@ -50,7 +50,7 @@ NAME = re.compile(r'"([^"]+)"|<([^>]+)>')
 
 
 def without_comments(text):
-    """Blanks comments, keeps line numbers; strings are matched only so that none starts a comment."""
+    """Blanks comments and keeps line numbers. Strings are matched so that none starts a comment."""
     return CODE.sub(lambda m: m[0] if m[0][0] == '"' else "\n" * m[0].count("\n"), text)
 
 
@@ -113,7 +113,8 @@ def check(root):
                 if package not in ALLOWED:
                     violations.append((path, line, f"package {package} is not in the table"))
                 elif kind not in ALLOWED[package] and own not in ALLOWED[package]:
-                    violations.append((path, line, f"{package} must not include {match[1]} ({kind})"))
+                    sentence = f"{package} must not include {match[1]} ({kind})"
+                    violations.append((path, line, sentence))
     return seen, violations
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Format, file names, the dialect of shaders/lib, shell scripts. Usage: lint.sh [ROOT], or --self-test,
-# which plants one fault per rule and must find each.
+# Format, file names, the dialect of shaders/lib, shell scripts. Usage: lint.sh [ROOT], or
+# lint.sh --self-test, which plants a fault per rule and must find each.
 set -euo pipefail
 self=$(realpath "${BASH_SOURCE[0]}")
 
@@ -43,8 +43,8 @@ GLSL
   for fault in 'lib/BadName.glsl: .*snake_case' BadName.glsl:{1:.*include,2:.*define,3:.*uniform} \
     BadName.glsl:{4:.*layout,4:.*buffer,5:.*shared,6:.*float,7:.*\'out\',7:.*inout,7:.*barrier} \
     BadName.glsl:{8:.*dFdx,8:.*double,8:.*gl_FragCoord,8:.*\\.xy,8:.*\\.rgb,10:.*Ray,11:.*array} \
-    'bad_format.cpp: .*PascalCase' 'bad_format.cpp:1:.*clang-format' 'Camel_test.cpp: .*snake_case' \
-    'broken.sh: .*run bit' 'broken.sh: line [0-9]*: syntax error'; do
+    'bad_format.cpp: .*PascalCase' 'bad_format.cpp:1:.*clang-format' \
+    'Camel_test.cpp: .*snake_case' 'broken.sh: .*run bit' 'broken.sh: line [0-9]*: syntax error'; do
     if ! grep -q -e "$fault" "$root/out"; then
       echo "lint --self-test: planted and not found: $fault"
       status=1

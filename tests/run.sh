@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds with warnings as errors and tests everything; .ci/run is this and no more. Arguments go to
-# ctest: tests/run.sh -R horizon. Logs are in build/. The last line says N passed, N failed, N skipped;
+# ctest: tests/run.sh -R horizon. Logs are in build/. The last line: N passed, N failed, N skipped;
 # the exit status is 0 only where none failed.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
