@@ -33,7 +33,7 @@ public:
         const std::ptrdiff_t here = std::ptrdiff_t(row) * tile.width() + column;
         _heights = tile.heights().data() + here;
         _valid = tile.validity().data() + here;
-        _origin = _heights[0];
+        _origin = height(0);
     }
 
     /// Slopes are per metre of t.
@@ -84,7 +84,7 @@ private:
         return i * _xStride + j * _yStride;
     }
 
-    double height(std::ptrdiff_t at) const { return _heights[at]; }
+    double height(std::ptrdiff_t at) const { return double(_heights[at]); }
 
     void offer(double slope, double t)
     {
