@@ -1,0 +1,140 @@
+#include "gpu/GpuPass.h"
+
+#include "gpu/ShaderLibrary.h"
+
+#include <osg/GLExtensions>
+#include <osg/Shader>
+
+#ifndef GL_READ_WRITE
+#define GL_READ_WRITE 0x88BA
+#endif
+#ifndef GL_WRITE_ONLY
+#define GL_WRITE_ONLY 0x88B9
+#endif
+#ifndef GL_SHADER_IMAGE_ACCESS_BARRIER_BIT
+#define GL_SHADER_IMAGE_ACCESS_BARRIER_BIT 0x00000020
+#endif
+#ifndef GL_TEXTURE_FETCH_BARRIER_BIT
+#define GL_TEXTURE_FETCH_BARRIER_BIT 0x00000008
+#endif
+#ifndef GL_TEXTURE_UPDATE_BARRIER_BIT
+#define GL_TEXTURE_UPDATE_BARRIER_BIT 0x00000100
+#endif
+
+namespace osgTerrainLight
+{
+
+GpuPass::GpuPass(std::string name, std::vector<std::string> defines)
+    : _name(std::move(name)), _defines(std::move(defines))
+{
+}
+
+void GpuPass::reads(const std::string& uniform, osg::Texture* texture)
+{
+    for (Input& input : _inputs)
+        if (input.uniform == uniform)
+        {
+            input.texture = texture;
+            return;
+        }
+    set(uniform, static_cast<int>(_inputs.size()));
+    _inputs.push_back({uniform, texture});
+}
+
+void GpuPass::writes(unsigned unit, osg::Texture* texture, Access access)
+{
+    if (_outputs.size() <= unit)
+        _outputs.resize(unit + 1);
+    _outputs[unit] = {texture, access};
+}
+
+void GpuPass::set(const std::string& uniform, int x, int y)
+{
+    osg::ref_ptr<osg::Uniform> pair = new osg::Uniform(osg::Uniform::INT_VEC2, uniform);
+    pair->set(x, y);
+    set(pair);
+}
+
+unsigned GpuPass::groupsFor(int count, int size)
+{
+    return static_cast<unsigned>((count + size - 1) / size);
+}
+
+Status GpuPass::build(osg::State& state)
+{
+    const ShaderLibrary& library = ShaderLibrary::instance();
+    const std::string file = "passes/" + _name + ".comp";
+    const long long revision = library.revision();
+    if (!_program || revision != _revision)
+    {
+        Result<ComposedShader> shader = library.compose(file, _defines);
+        if (!shader)
+            return shader.error();
+        _program = new osg::Program;
+        _program->setName(_name);
+        _program->addShader(new osg::Shader(osg::Shader::COMPUTE, shader->text));
+        _files = shader->files;
+        _revision = revision;
+    }
+    const osg::Program::PerContextProgram* linked = _program->getPCP(state);
+    if (linked->needsLink())
+        _program->compileGLObjects(state);
+    if (linked->isLinked())
+        return Nothing{};
+
+    std::string log;
+    _program->getShader(0)->getPCS(state)->getInfoLog(log);
+    if (log.empty())
+        _program->getGlProgramInfoLog(state.getContextID(), log);
+    return Error{ErrorCode::Failed,
+                 "shader " + file + " does not compile: " + ComposedShader{{}, _files}.mapLog(log)};
+}
+
+Status GpuPass::dispatch(osg::State& state, Groups groups)
+{
+    Status built = build(state);
+    if (!built)
+        return built;
+
+    const auto* extensions = state.get<osg::GLExtensions>();
+    const unsigned context = state.getContextID();
+    for (const Output& output : _outputs)
+        if (!output.texture->getTextureObject(context))
+            state.applyTextureAttribute(0, output.texture.get()); // allocates it
+    for (std::size_t unit = 0; unit < _inputs.size(); ++unit)
+        state.applyTextureAttribute(static_cast<unsigned>(unit), _inputs[unit].texture.get());
+
+    state.applyAttribute(_program.get());
+    const osg::Program::PerContextProgram* linked = _program->getPCP(state);
+    for (const auto& [name, uniform] : _uniforms)
+        linked->apply(*uniform);
+
+    for (std::size_t unit = 0; unit < _outputs.size(); ++unit)
+    {
+        const Output& output = _outputs[unit];
+        const bool layered = output.texture->getTextureTarget() == GL_TEXTURE_2D_ARRAY_EXT;
+        extensions->glBindImageTexture(
+            static_cast<GLuint>(unit), output.texture->getTextureObject(context)->id(), 0,
+            layered ? GL_TRUE : GL_FALSE, 0,
+            output.access == Access::Write ? GL_WRITE_ONLY : GL_READ_WRITE,
+            static_cast<GLenum>(output.texture->getInternalFormat()));
+    }
+    extensions->glDispatchCompute(groups.x, groups.y, groups.z);
+    extensions->glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                                GL_TEXTURE_UPDATE_BARRIER_BIT);
+    return Nothing{};
+}
+
+void GpuPass::releaseGLObjects(osg::State* state) const
+{
+    if (_program)
+        _program->releaseGLObjects(state);
+}
+
+void GpuPass::resizeGLObjectBuffers(unsigned size)
+{
+    if (_program)
+        _program->resizeGLObjectBuffers(size);
+}
+
+} // namespace osgTerrainLight

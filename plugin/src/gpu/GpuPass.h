@@ -1,0 +1,95 @@
+#pragma once
+
+#include <osgTerrainLight/Export.h>
+
+#include "core/Result.h"
+
+#include <osg/Program>
+#include <osg/Referenced>
+#include <osg/State>
+#include <osg/Texture>
+#include <osg/Uniform>
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace osgTerrainLight
+{
+
+/// One compute shader with the textures it reads and writes. A dispatch ends with the memory
+/// barrier that lets later passes and draws read what it wrote: OSG issues none.
+class OSGTERRAINLIGHT_EXPORT GpuPass : public osg::Referenced
+{
+public:
+    /// name: stem of shaders/passes/<name>.comp. defines: a variant, see ShaderVariants in the
+    /// tests.
+    explicit GpuPass(std::string name, std::vector<std::string> defines = {});
+
+    const std::string& name() const { return _name; }
+
+    /// Declares that sampler `uniform` reads `texture`. Texture units are counted up from 0.
+    void reads(const std::string& uniform, osg::Texture* texture);
+
+    enum class Access
+    {
+        Write,
+        ReadWrite
+    };
+    /// Declares that image unit `unit` is written, or read and written. Units are declared from 0
+    /// up.
+    void writes(unsigned unit, osg::Texture* texture, Access access = Access::Write);
+
+    template <class T>
+    void set(const std::string& uniform, const T& value)
+    {
+        osg::ref_ptr<osg::Uniform>& slot = _uniforms[uniform];
+        if (!slot)
+            slot = new osg::Uniform(uniform.c_str(), value);
+        else
+            slot->set(value);
+    }
+    void set(const std::string& uniform, int x, int y);
+    void set(osg::Uniform* uniform) { _uniforms[uniform->getName()] = uniform; }
+
+    struct Groups
+    {
+        unsigned x = 1, y = 1, z = 1;
+    };
+
+    /// Runs the shader. Needs a current context of OpenGL 4.3. An error names file and line of the
+    /// shader.
+    Status dispatch(osg::State& state, Groups groups);
+
+    /// Number of groups of `size` that cover `count`.
+    static unsigned groupsFor(int count, int size);
+
+    void releaseGLObjects(osg::State* state) const;
+    void resizeGLObjectBuffers(unsigned size);
+
+private:
+    ~GpuPass() override = default;
+    Status build(osg::State& state);
+
+    struct Input
+    {
+        std::string uniform;
+        osg::ref_ptr<osg::Texture> texture;
+    };
+    struct Output
+    {
+        osg::ref_ptr<osg::Texture> texture;
+        Access access = Access::Write;
+    };
+
+    std::string _name;
+    std::vector<std::string> _defines;
+    std::vector<Input> _inputs;
+    std::vector<Output> _outputs;
+    std::map<std::string, osg::ref_ptr<osg::Uniform>> _uniforms;
+    osg::ref_ptr<osg::Program> _program;
+    std::vector<std::string> _files;
+    long long _revision = -1;
+};
+
+} // namespace osgTerrainLight

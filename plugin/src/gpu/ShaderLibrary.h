@@ -1,0 +1,52 @@
+#pragma once
+
+#include <osgTerrainLight/Export.h>
+
+#include "core/Result.h"
+
+#include <string>
+#include <vector>
+
+namespace osgTerrainLight
+{
+
+/// A shader put together from files, and the way back from a compiler's line number to file and
+/// line.
+struct ComposedShader
+{
+    std::string text;
+    std::vector<std::string> files; ///< index = source number in #line
+
+    /// A compiler's log with "source:line" or "source(line)" replaced by "file:line".
+    std::string mapLog(const std::string& log) const;
+};
+
+/// The shader sources: embedded in the library, or read from the folder that the environment
+/// variable OSGTERRAINLIGHT_SHADERS names (for live editing; files it lacks are the embedded ones).
+class OSGTERRAINLIGHT_EXPORT ShaderLibrary
+{
+public:
+    /// folder: the override folder; empty for none.
+    explicit ShaderLibrary(std::string folder);
+
+    /// The library with the folder from the environment.
+    static const ShaderLibrary& instance();
+
+    /// Text of one file, by its path below shaders/.
+    Result<std::string> source(const std::string& name) const;
+
+    /// preamble.glsl, one "#define" per define, every file that lib/all.glsl lists, then the file
+    /// itself.
+    Result<ComposedShader> compose(const std::string& name,
+                                   const std::vector<std::string>& defines = {}) const;
+
+    /// A number that changes when a file in the override folder changes; 0 without a folder.
+    long long revision() const;
+
+    static std::vector<std::string> names();
+
+private:
+    std::string _folder;
+};
+
+} // namespace osgTerrainLight

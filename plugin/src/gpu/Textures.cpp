@@ -1,0 +1,148 @@
+#include "gpu/Textures.h"
+
+#include <osg/Image>
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+
+#ifndef GL_R16
+#define GL_R16 0x822A
+#endif
+#ifndef GL_R32UI
+#define GL_R32UI 0x8236
+#endif
+#ifndef GL_RED_INTEGER
+#define GL_RED_INTEGER 0x8D94
+#endif
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+struct Format
+{
+    GLint internal;
+    GLenum format, type;
+    std::size_t bytes;
+};
+
+Format formatOf(GLint internalFormat)
+{
+    switch (internalFormat)
+    {
+    case GL_R16:
+        return {internalFormat, GL_RED, GL_UNSIGNED_SHORT, 2};
+    case GL_R32UI:
+        return {internalFormat, GL_RED_INTEGER, GL_UNSIGNED_INT, 4};
+    case GL_RGBA16F_ARB:
+        return {internalFormat, GL_RGBA, GL_HALF_FLOAT, 8};
+    default:
+        assert(internalFormat == GL_R32F);
+        return {internalFormat, GL_RED, GL_FLOAT, 4};
+    }
+}
+
+void prepare(osg::Texture& texture, const Format& format)
+{
+    texture.setInternalFormat(format.internal);
+    texture.setSourceFormat(format.format);
+    texture.setSourceType(format.type);
+    const auto filter = format.internal == GL_R32UI ? osg::Texture::NEAREST : osg::Texture::LINEAR;
+    texture.setFilter(osg::Texture::MIN_FILTER, filter);
+    texture.setFilter(osg::Texture::MAG_FILTER, filter);
+    texture.setWrap(osg::Texture::WRAP_S, osg::Texture::CLAMP_TO_EDGE);
+    texture.setWrap(osg::Texture::WRAP_T, osg::Texture::CLAMP_TO_EDGE);
+    texture.setResizeNonPowerOfTwoHint(false);
+}
+
+template <class T>
+std::vector<T> read(osg::State& state, osg::Texture& texture, GLenum format, GLenum type,
+                    int channels)
+{
+    const int layers = std::max(1, texture.getTextureDepth());
+    std::vector<T> values(static_cast<std::size_t>(texture.getTextureWidth()) *
+                          static_cast<std::size_t>(texture.getTextureHeight()) *
+                          static_cast<std::size_t>(layers) * static_cast<std::size_t>(channels));
+    state.setActiveTextureUnit(0);
+    state.applyTextureAttribute(0, &texture);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glGetTexImage(texture.getTextureTarget(), 0, format, type, values.data());
+    return values;
+}
+} // namespace
+
+osg::ref_ptr<osg::Texture2D> createFloatTexture(const Raster<float>& values)
+{
+    osg::ref_ptr<osg::Image> image = new osg::Image;
+    image->allocateImage(values.width(), values.height(), 1, GL_RED, GL_FLOAT, 1);
+    std::memcpy(image->data(), values.data(), values.size() * sizeof(float));
+    osg::ref_ptr<osg::Texture2D> texture = new osg::Texture2D(image);
+    prepare(*texture, formatOf(GL_R32F));
+    return texture;
+}
+
+osg::ref_ptr<osg::Texture2D> createHeightTexture(const DemTile& tile, int frame)
+{
+    constexpr float voidHeight = -1.0e30f; // VOID_HEIGHT of lib/surface.glsl
+    Raster<float> framed(tile.width() + 2 * frame, tile.height() + 2 * frame, voidHeight);
+    for (int y = 0; y < tile.height(); ++y)
+        for (int x = 0; x < tile.width(); ++x)
+            if (tile.isValid(x, y))
+                framed.at(x + frame, y + frame) = tile.heightAt(x, y);
+    return createFloatTexture(framed);
+}
+
+osg::ref_ptr<osg::Texture2D> createTarget(int width, int height, GLint internalFormat)
+{
+    osg::ref_ptr<osg::Texture2D> texture = new osg::Texture2D;
+    const Format format = formatOf(internalFormat);
+    prepare(*texture, format);
+    texture->setTextureSize(width, height);
+    if (internalFormat == GL_R32UI) // a counter: starts at 0
+    {
+        osg::ref_ptr<osg::Image> zeros = new osg::Image;
+        zeros->allocateImage(width, height, 1, format.format, format.type, 1);
+        std::memset(zeros->data(), 0, zeros->getTotalSizeInBytes());
+        texture->setImage(zeros);
+    }
+    return texture;
+}
+
+osg::ref_ptr<osg::Texture2DArray> createLayeredTarget(int width, int height, int layers,
+                                                      GLint internalFormat)
+{
+    osg::ref_ptr<osg::Texture2DArray> texture = new osg::Texture2DArray;
+    prepare(*texture, formatOf(internalFormat));
+    texture->setTextureSize(width, height, layers);
+    return texture;
+}
+
+std::size_t textureBytes(const osg::Texture& texture)
+{
+    const auto image = texture.getImage(0);
+    const std::size_t width =
+        static_cast<std::size_t>(image ? image->s() : texture.getTextureWidth());
+    const std::size_t height =
+        static_cast<std::size_t>(image ? image->t() : texture.getTextureHeight());
+    const std::size_t layers = static_cast<std::size_t>(std::max(1, texture.getTextureDepth()));
+    return width * height * layers * formatOf(texture.getInternalFormat()).bytes;
+}
+
+std::vector<float> readFloats(osg::State& state, osg::Texture& texture, int channels)
+{
+    return read<float>(state, texture, channels == 4 ? GL_RGBA : GL_RED, GL_FLOAT, channels);
+}
+
+std::vector<std::uint16_t> readUnorm16(osg::State& state, osg::Texture& texture)
+{
+    return read<std::uint16_t>(state, texture, GL_RED, GL_UNSIGNED_SHORT, 1);
+}
+
+std::vector<std::uint32_t> readUints(osg::State& state, osg::Texture& texture)
+{
+    return read<std::uint32_t>(state, texture, GL_RED_INTEGER, GL_UNSIGNED_INT, 1);
+}
+
+} // namespace osgTerrainLight

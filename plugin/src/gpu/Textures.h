@@ -1,0 +1,46 @@
+#pragma once
+
+#include <osgTerrainLight/DemTile.h>
+#include <osgTerrainLight/Export.h>
+
+#include "core/Raster.h"
+
+#include <osg/State>
+#include <osg/Texture2D>
+#include <osg/Texture2DArray>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace osgTerrainLight
+{
+
+/// Height texture of a tile: R32F [m above heightOrigin], row 0 south, framed by `frame` void posts
+/// on every side so that no read leaves it; void posts hold VOID_HEIGHT of lib/surface.glsl.
+OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Texture2D> createHeightTexture(const DemTile& tile,
+                                                                        int frame);
+
+/// A texture of the given values, format R32F.
+OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Texture2D> createFloatTexture(const Raster<float>& values);
+
+/// A texture without content that passes write: GL_R32F, GL_RGBA16F, GL_R32UI, …, linear filter
+/// where the format has one.
+OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Texture2D> createTarget(int width, int height,
+                                                                 GLint internalFormat);
+OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Texture2DArray>
+createLayeredTarget(int width, int height, int layers, GLint internalFormat);
+
+/// Bytes that a texture made by these functions takes on the GPU.
+OSGTERRAINLIGHT_EXPORT std::size_t textureBytes(const osg::Texture& texture);
+
+/// Content of a GPU texture, layer after layer, row 0 first. Needs a current context in which the
+/// texture was written.
+OSGTERRAINLIGHT_EXPORT std::vector<float> readFloats(osg::State& state, osg::Texture& texture,
+                                                     int channels);
+OSGTERRAINLIGHT_EXPORT std::vector<std::uint16_t> readUnorm16(osg::State& state,
+                                                              osg::Texture& texture);
+OSGTERRAINLIGHT_EXPORT std::vector<std::uint32_t> readUints(osg::State& state,
+                                                            osg::Texture& texture);
+
+} // namespace osgTerrainLight

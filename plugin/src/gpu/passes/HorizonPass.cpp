@@ -1,0 +1,139 @@
+#include "gpu/passes/HorizonPass.h"
+
+#include "gpu/Textures.h"
+
+#include <cassert>
+#include <cmath>
+
+#ifndef GL_R16
+#define GL_R16 0x822A
+#endif
+#ifndef GL_R32UI
+#define GL_R32UI 0x8236
+#endif
+
+namespace osgTerrainLight
+{
+
+HorizonScheme HorizonScheme::of(HorizonQuality quality)
+{
+    switch (quality)
+    {
+    case HorizonQuality::Draft:
+        return {4, 1, false};
+    case HorizonQuality::Best:
+        return {32, 4, true};
+    default:
+        return {16, 1, true};
+    }
+}
+
+HorizonPass::HorizonPass(const DemTile& tile, osg::Texture2D* heights, const HorizonScheme& scheme,
+                         int directionCount)
+    : _width(tile.width()), _height(tile.height()), _northSpacing(tile.northSpacing),
+      _eastSpacings(tile.eastSpacings), _nominalEastSpacing(tile.nominalEastSpacing()),
+      _scheme(scheme), _sweep(new GpuPass("horizon_sweep", {"HULL_SIZE 64"})),
+      _near(new GpuPass("horizon_near"))
+{
+    _stepLengths = createFloatTexture(Raster<float>(directionCount, _height, 1.0f));
+    _horizon = createLayeredTarget(_width, _height, directionCount, GL_R16);
+    _dropped = createTarget(1, 1, GL_R32UI);
+    for (const auto& pass : {_sweep, _near})
+    {
+        pass->reads("heights", heights);
+        pass->reads("stepLengths", _stepLengths);
+        pass->set("size", _width, _height);
+        pass->set("frame", frame(scheme));
+        pass->set("reach", scheme.reach);
+    }
+    _sweep->set("linesPerPost", scheme.linesPerPost);
+    _near->set("inside", scheme.inside);
+    _sweep->writes(0, _horizon);
+    _sweep->writes(1, _dropped, GpuPass::Access::ReadWrite);
+    _near->writes(0, _horizon, GpuPass::Access::ReadWrite);
+}
+
+void HorizonPass::setDirections(const std::vector<MapDirection>& directions)
+{
+    assert(static_cast<int>(directions.size()) == _horizon->getTextureDepth());
+    _directions.clear();
+    _maxLines = 0;
+    Raster<float> lengths(static_cast<int>(directions.size()), _height);
+    osg::ref_ptr<osg::Uniform> table =
+        new osg::Uniform(osg::Uniform::FLOAT_VEC4, "directions", 256);
+    for (std::size_t i = 0; i < directions.size(); ++i)
+    {
+        // The direction in posts per metre; the axis it crosses faster is the major one.
+        const double x = directions[i].east / _nominalEastSpacing;
+        const double y = directions[i].north / _northSpacing;
+        const bool north = std::abs(y) > std::abs(x);
+        const double drift = north ? x / y : y / x;
+        const double look = (north ? y : x) < 0.0 ? -1.0 : 1.0;
+        const osg::Vec4f row(static_cast<float>(drift), static_cast<float>(look),
+                             north ? 1.0f : 0.0f, static_cast<float>(i));
+        _directions.push_back(row);
+        table->setElement(static_cast<unsigned>(i), row);
+
+        const int steps = north ? _height : _width;
+        const int breadth = north ? _width : _height;
+        _maxLines = std::max(_maxLines, 2 + static_cast<int>(_scheme.linesPerPost *
+                                                             (breadth + std::abs(drift) * steps)));
+        for (int row_ = 0; row_ < _height; ++row_)
+        {
+            const double east = _eastSpacings.size() == 1
+                                    ? _eastSpacings.front()
+                                    : _eastSpacings[static_cast<std::size_t>(row_)];
+            const double length = north ? std::hypot(drift * east, _northSpacing)
+                                        : std::hypot(east, drift * _northSpacing);
+            lengths.at(static_cast<int>(i), row_) = static_cast<float>(length);
+        }
+    }
+    _stepLengths = createFloatTexture(lengths);
+    for (const auto& pass : {_sweep, _near})
+        pass->reads("stepLengths", _stepLengths);
+    _sweep->set(table);
+}
+
+Status HorizonPass::dispatch(osg::State& state)
+{
+    assert(!_directions.empty());
+    _sweep->set("firstDirection", 0);
+    Status done = _sweep->dispatch(
+        state, {GpuPass::groupsFor(_maxLines, 32), 1, static_cast<unsigned>(_directions.size())});
+    for (std::size_t i = 0; done && i < _directions.size(); ++i)
+    {
+        const bool north = _directions[i].z() != 0.0f;
+        _near->set("direction", _directions[i]);
+        const int blocksX = north ? (_width + 7) / 8 : _width;
+        const int blocksY = north ? _height : (_height + 7) / 8;
+        done = _near->dispatch(
+            state, {GpuPass::groupsFor(blocksX, 16), GpuPass::groupsFor(blocksY, 4), 1});
+    }
+    return done;
+}
+
+std::size_t HorizonPass::workingBytes() const
+{
+    return textureBytes(*_stepLengths) + textureBytes(*_dropped);
+}
+
+void HorizonPass::releaseGLObjects(osg::State* state) const
+{
+    _sweep->releaseGLObjects(state);
+    _near->releaseGLObjects(state);
+    for (const osg::Texture* texture :
+         {static_cast<osg::Texture*>(_stepLengths), static_cast<osg::Texture*>(_horizon),
+          static_cast<osg::Texture*>(_dropped)})
+        texture->releaseGLObjects(state);
+}
+
+void HorizonPass::resizeGLObjectBuffers(unsigned size)
+{
+    _sweep->resizeGLObjectBuffers(size);
+    _near->resizeGLObjectBuffers(size);
+    _stepLengths->resizeGLObjectBuffers(size);
+    _horizon->resizeGLObjectBuffers(size);
+    _dropped->resizeGLObjectBuffers(size);
+}
+
+} // namespace osgTerrainLight

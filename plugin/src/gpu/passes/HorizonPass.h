@@ -1,0 +1,74 @@
+#pragma once
+
+#include <osgTerrainLight/DemTile.h>
+#include <osgTerrainLight/Export.h>
+#include <osgTerrainLight/LightingSettings.h>
+
+#include "core/AzimuthSet.h"
+#include "core/Result.h"
+#include "gpu/GpuPass.h"
+
+#include <osg/Texture2D>
+#include <osg/Texture2DArray>
+
+#include <vector>
+
+namespace osgTerrainLight
+{
+
+/// What a quality stands for. docs/ARCHITECTURE.md has the measurements that chose the numbers.
+struct OSGTERRAINLIGHT_EXPORT HorizonScheme
+{
+    int reach = 16;       ///< steps of the near field, 1 … 32
+    int linesPerPost = 1; ///< lines of the sweep per post, 1 … 8
+    bool inside = true;   ///< maxima inside the near field's cells count
+
+    static HorizonScheme of(HorizonQuality quality);
+};
+
+/// Horizons of a tile for a list of directions: a linear-time sweep for what is far (Timonen and
+/// Westerholm 2010), an exact scan for what is near. Output: one layer of elevation codes
+/// (HorizonMap.h) per direction.
+class OSGTERRAINLIGHT_EXPORT HorizonPass : public osg::Referenced
+{
+public:
+    /// Width of the void frame that the height texture must have.
+    static int frame(const HorizonScheme& scheme) { return scheme.reach + 20; }
+
+    /// heights: createHeightTexture(tile, frame(scheme)). At most 256 directions.
+    HorizonPass(const DemTile& tile, osg::Texture2D* heights, const HorizonScheme& scheme,
+                int directionCount);
+
+    /// The directions to look in, as many as there are layers.
+    void setDirections(const std::vector<MapDirection>& directions);
+
+    Status dispatch(osg::State& state);
+
+    osg::Texture2DArray* horizon() const { return _horizon; }
+
+    /// R32UI, one texel: hull vertices that the sweeps dropped since creation (horizon_sweep.comp).
+    osg::Texture2D* dropped() const { return _dropped; }
+
+    std::size_t workingBytes() const;
+
+    void releaseGLObjects(osg::State* state) const;
+    void resizeGLObjectBuffers(unsigned size);
+
+private:
+    ~HorizonPass() override = default;
+
+    int _width, _height;
+    double _northSpacing;
+    std::vector<double> _eastSpacings;
+    double _nominalEastSpacing;
+    HorizonScheme _scheme;
+    int _maxLines = 0;
+    std::vector<osg::Vec4f> _directions;
+    osg::ref_ptr<osg::Texture2D> _stepLengths;
+    osg::ref_ptr<osg::Texture2DArray> _horizon;
+    osg::ref_ptr<osg::Texture2D> _dropped;
+    osg::ref_ptr<GpuPass> _sweep;
+    osg::ref_ptr<GpuPass> _near;
+};
+
+} // namespace osgTerrainLight

@@ -1,0 +1,277 @@
+#include "scene/TileLighting.h"
+
+#include "gpu/Textures.h"
+
+#include <OpenThreads/ScopedLock>
+
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#ifndef GL_R16
+#define GL_R16 0x822A
+#endif
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+using Lock = OpenThreads::ScopedLock<OpenThreads::Mutex>;
+
+constexpr double radiansPerDegree = 3.14159265358979323846 / 180.0;
+
+osg::Vec3f vec3(const Rgb& c)
+{
+    return {c[0], c[1], c[2]};
+}
+
+bool sameSunPlace(const SkyLight& a, const SkyLight& b)
+{
+    return a.sunAzimuth == b.sunAzimuth;
+}
+} // namespace
+
+TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings,
+                           const SkyLight& sky, SkyViewDefinition definition)
+    : _tile(tile), _settings(settings), _sky(sky), _definition(definition),
+      _skyPass(new GpuPass("sky_view")), _shadePass(new GpuPass("shade"))
+{
+    _shading = createTarget(_tile.width(), _tile.height(), GL_RGBA16F_ARB);
+    _nothing = createFloatTexture(Raster<float>(1, 1));
+    _nothingLayered = createLayeredTarget(1, 1, 1, GL_R16);
+    Raster<float> spacings(1, _tile.height());
+    for (int y = 0; y < _tile.height(); ++y)
+        spacings.at(0, y) = static_cast<float>(_tile.eastSpacing(y));
+    _eastSpacings = createFloatTexture(spacings);
+    createHeights();
+    for (const auto& pass : {_skyPass, _shadePass})
+    {
+        pass->reads("eastSpacings", _eastSpacings);
+        pass->set("size", _tile.width(), _tile.height());
+        pass->set("northSpacing", static_cast<float>(_tile.northSpacing));
+    }
+    _shadePass->writes(0, _shading);
+
+    _settingsValue = _chain.addSource();
+    _sunDirectionValue = _chain.addSource();
+    _lightValue = _chain.addSource();
+    const auto horizon = _chain.addStage(
+        {"horizon",
+         {_settingsValue},
+         [this] { return skyNeeded(); },
+         [this](osg::State& state) { return runHorizon(state); },
+         [this]
+         { return _horizon ? textureBytes(*_horizon->horizon()) + _horizon->workingBytes() : 0; },
+         [this] { _horizon = nullptr; }});
+    const auto skyView = _chain.addStage({"sky",
+                                          {horizon},
+                                          [this] { return skyNeeded(); },
+                                          [this](osg::State& state) { return runSky(state); },
+                                          [this] { return _skyView ? textureBytes(*_skyView) : 0; },
+                                          [this] { _skyView = nullptr; }});
+    const auto sun = _chain.addStage(
+        {"sun",
+         {_settingsValue, _sunDirectionValue},
+         [this] { return sunNeeded(); },
+         [this](osg::State& state) { return runSun(state); },
+         [this] { return _sun ? textureBytes(*_sun->horizon()) + _sun->workingBytes() : 0; },
+         [this] { _sun = nullptr; }});
+    _chain.addStage({"shade",
+                     {skyView, sun, _lightValue},
+                     [] { return true; },
+                     [this](osg::State& state) { return runShade(state); },
+                     [this] { return textureBytes(*_shading); },
+                     [] {}});
+}
+
+void TileLighting::createHeights()
+{
+    const int frame = HorizonPass::frame(HorizonScheme::of(_settings.quality));
+    _heights = createHeightTexture(_tile, frame);
+    for (const auto& pass : {_skyPass, _shadePass})
+    {
+        pass->reads("heights", _heights);
+        pass->set("frame", frame);
+    }
+}
+
+bool TileLighting::sunNeeded() const
+{
+    return _sky.sunEnabled && _sky.sunElevation + _sky.sunAngularRadius > 0.0;
+}
+
+void TileLighting::setSettings(const LightingSettings& settings)
+{
+    Lock lock(_mutex);
+    const bool changed =
+        settings.azimuths != _settings.azimuths || settings.quality != _settings.quality;
+    _settings = settings;
+    if (!changed)
+        return;
+    createHeights();
+    _horizon = nullptr;
+    _sun = nullptr;
+    _chain.touch(_settingsValue);
+}
+
+void TileLighting::setSky(const SkyLight& sky)
+{
+    Lock lock(_mutex);
+    if (!sameSunPlace(sky, _sky))
+        _chain.touch(_sunDirectionValue);
+    _sky = sky;
+    _chain.touch(_lightValue);
+}
+
+Status TileLighting::update(osg::State& state)
+{
+    Lock lock(_mutex);
+    return _chain.run(state);
+}
+
+bool TileLighting::isDirty(unsigned contextID) const
+{
+    Lock lock(_mutex);
+    return _chain.isDirty(contextID);
+}
+
+Status TileLighting::runHorizon(osg::State& state)
+{
+    if (!_horizon)
+    {
+        const AzimuthSet set(_settings.azimuths);
+        std::vector<MapDirection> directions;
+        for (int k = 0; k < set.count(); ++k)
+            directions.push_back(set.direction(k));
+        _horizon =
+            new HorizonPass(_tile, _heights, HorizonScheme::of(_settings.quality), set.count());
+        _horizon->setDirections(directions);
+    }
+    return _horizon->dispatch(state);
+}
+
+Status TileLighting::runSky(osg::State& state)
+{
+    if (!_skyView)
+    {
+        _skyView = createTarget(width(), height(), GL_R32F);
+        _skyPass->writes(0, _skyView);
+    }
+    _skyPass->reads("horizon", _horizon->horizon());
+    _skyPass->set("azimuths", _settings.azimuths);
+    _skyPass->set("definition", static_cast<int>(_definition));
+    return _skyPass->dispatch(state,
+                              {GpuPass::groupsFor(width(), 8), GpuPass::groupsFor(height(), 8), 1});
+}
+
+Status TileLighting::runSun(osg::State& state)
+{
+    if (!_sun)
+        _sun = new HorizonPass(_tile, _heights, HorizonScheme::of(_settings.quality), 1);
+    _sun->setDirections({directionOfCompass(_sky.sunAzimuth)});
+    return _sun->dispatch(state);
+}
+
+Status TileLighting::runShade(osg::State& state)
+{
+    const std::array<double, 3> direction = _sky.sunDirection();
+    GpuPass& pass = *_shadePass;
+    pass.reads("skyView", skyNeeded() ? _skyView.get() : _nothing.get());
+    pass.reads("sunHorizon", sunNeeded() ? _sun->horizon() : _nothingLayered.get());
+    pass.set("hasSky", skyNeeded());
+    pass.set("hasSun", sunNeeded());
+    pass.set("skyRadiance", vec3(_sky.skyRadiance));
+    pass.set("sunIrradiance", vec3(_sky.sunIrradiance));
+    pass.set("sunDirection",
+             osg::Vec3f(static_cast<float>(direction[0]), static_cast<float>(direction[1]),
+                        static_cast<float>(direction[2])));
+    pass.set("sunElevation", static_cast<float>(_sky.sunElevation * radiansPerDegree));
+    pass.set("sunRadius", static_cast<float>(_sky.sunAngularRadius * radiansPerDegree));
+    pass.set("sunOff", _sky.sunEnabled ? 0.0f : 1.0f);
+    return pass.dispatch(state,
+                         {GpuPass::groupsFor(width(), 8), GpuPass::groupsFor(height(), 8), 1});
+}
+
+Raster<osg::Vec4f> TileLighting::readShading(osg::State& state) const
+{
+    const std::vector<float> values = readFloats(state, *_shading, 4);
+    Raster<osg::Vec4f> shading(width(), height());
+    for (std::size_t i = 0; i < shading.size(); ++i)
+        shading.values()[i] =
+            osg::Vec4f(values[4 * i], values[4 * i + 1], values[4 * i + 2], values[4 * i + 3]);
+    return shading;
+}
+
+Raster<float> TileLighting::readSkyView(osg::State& state) const
+{
+    assert(_skyView);
+    Raster<float> view(width(), height());
+    view.values() = readFloats(state, *_skyView, 1);
+    for (std::size_t i = 0; i < view.size(); ++i)
+        if (!_tile.validity()[i])
+            view.values()[i] = std::numeric_limits<float>::quiet_NaN();
+    return view;
+}
+
+HorizonMap TileLighting::readHorizons(osg::State& state) const
+{
+    assert(_horizon);
+    HorizonMap map(width(), height(), _settings.azimuths);
+    map.codes() = readUnorm16(state, *_horizon->horizon());
+    return map;
+}
+
+unsigned TileLighting::readDroppedVertices(osg::State& state) const
+{
+    unsigned count = 0;
+    for (const auto& pass : {_horizon, _sun})
+        if (pass)
+            count += readUints(state, *pass->dropped()).front();
+    return count;
+}
+
+std::vector<StageCost> TileLighting::costs() const
+{
+    Lock lock(_mutex);
+    return _chain.costs();
+}
+
+std::size_t TileLighting::bytes() const
+{
+    std::size_t sum = textureBytes(*_heights) + textureBytes(*_eastSpacings);
+    for (const StageCost& cost : costs())
+        sum += cost.bytes;
+    return sum;
+}
+
+void TileLighting::releaseGLObjects(osg::State* state) const
+{
+    Lock lock(_mutex);
+    _chain.forget(state ? state->getContextID() : ~0u);
+    for (const auto& pass : {_horizon, _sun})
+        if (pass)
+            pass->releaseGLObjects(state);
+    for (const auto& pass : {_skyPass, _shadePass})
+        pass->releaseGLObjects(state);
+    for (const auto& texture : {_heights, _eastSpacings, _skyView, _shading, _nothing})
+        if (texture)
+            texture->releaseGLObjects(state);
+    _nothingLayered->releaseGLObjects(state);
+}
+
+void TileLighting::resizeGLObjectBuffers(unsigned size)
+{
+    Lock lock(_mutex);
+    for (const auto& pass : {_horizon, _sun})
+        if (pass)
+            pass->resizeGLObjectBuffers(size);
+    for (const auto& pass : {_skyPass, _shadePass})
+        pass->resizeGLObjectBuffers(size);
+    for (const auto& texture : {_heights, _eastSpacings, _skyView, _shading, _nothing})
+        if (texture)
+            texture->resizeGLObjectBuffers(size);
+    _nothingLayered->resizeGLObjectBuffers(size);
+}
+
+} // namespace osgTerrainLight

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <osgTerrainLight/DemTile.h>
+#include <osgTerrainLight/Export.h>
+#include <osgTerrainLight/HorizonMap.h>
+#include <osgTerrainLight/LightingSettings.h>
+#include <osgTerrainLight/SkyLight.h>
+
+#include "core/Raster.h"
+#include "core/Result.h"
+#include "gpu/GpuPass.h"
+#include "gpu/PassChain.h"
+#include "gpu/passes/HorizonPass.h"
+
+#include <osg/Referenced>
+#include <osg/Texture2D>
+
+#include <OpenThreads/Mutex>
+
+#include <vector>
+
+namespace osgTerrainLight
+{
+
+/// The three sky-view factors in use (docs/CONVENTIONS.md).
+enum class SkyViewDefinition
+{
+    Surface,    ///< cosine to the surface normal: what lights the terrain
+    Horizontal, ///< cosine to the zenith
+    SolidAngle  ///< fraction of the upper hemisphere's solid angle
+};
+
+/// One tile's pass chain and textures: heights and light in, shading texture out.
+///
+/// Setters may be called from any thread; update() and the read functions need the current context
+/// of their state. Stages: horizon (a sky is on), sky (ditto), sun (a sun is on and not wholly
+/// below the horizontal), shade.
+class OSGTERRAINLIGHT_EXPORT TileLighting : public osg::Referenced
+{
+public:
+    TileLighting(const DemTile& tile, const LightingSettings& settings, const SkyLight& sky,
+                 SkyViewDefinition definition = SkyViewDefinition::Surface);
+
+    int width() const { return _tile.width(); }
+    int height() const { return _tile.height(); }
+    const DemTile& tile() const { return _tile; }
+
+    void setSettings(const LightingSettings& settings);
+    void setSky(const SkyLight& sky);
+
+    /// Runs the stages whose inputs have changed in this context.
+    Status update(osg::State& state);
+    bool isDirty(unsigned contextID) const;
+
+    /// RGBA16F, a texel per post, row 0 south: rgb = irradiance / pi, a = visible fraction of the
+    /// sun (1 where the sun is off). Void posts: all 0.
+    osg::Texture2D* shading() const { return _shading; }
+
+    /// Read-back, all in tile order (row 0 south). Call after update().
+    Raster<osg::Vec4f> readShading(osg::State& state) const;
+    Raster<float>
+    readSkyView(osg::State& state) const;             ///< NaN where void; precondition: a sky is on
+    HorizonMap readHorizons(osg::State& state) const; ///< precondition: a sky is on
+    unsigned readDroppedVertices(osg::State& state) const; ///< of both sweeps
+
+    void setTimed(bool timed) { _chain.setTimed(timed); }
+    std::vector<StageCost> costs() const;
+    /// Bytes of all textures, heights and shading included.
+    std::size_t bytes() const;
+
+    void releaseGLObjects(osg::State* state = nullptr) const;
+    void resizeGLObjectBuffers(unsigned size);
+
+private:
+    ~TileLighting() override = default;
+
+    bool skyNeeded() const { return _sky.skyEnabled; }
+    bool sunNeeded() const;
+    void createHeights();
+    Status runHorizon(osg::State& state);
+    Status runSky(osg::State& state);
+    Status runSun(osg::State& state);
+    Status runShade(osg::State& state);
+
+    mutable OpenThreads::Mutex _mutex;
+    DemTile _tile;
+    LightingSettings _settings;
+    SkyLight _sky;
+    SkyViewDefinition _definition;
+
+    mutable PassChain _chain;
+    PassChain::Value _settingsValue, _sunDirectionValue, _lightValue;
+
+    osg::ref_ptr<osg::Texture2D> _heights;
+    osg::ref_ptr<osg::Texture2D> _eastSpacings;
+    osg::ref_ptr<HorizonPass> _horizon;
+    osg::ref_ptr<HorizonPass> _sun;
+    osg::ref_ptr<osg::Texture2D> _skyView;
+    osg::ref_ptr<osg::Texture2D> _shading;
+    osg::ref_ptr<GpuPass> _skyPass;
+    osg::ref_ptr<GpuPass> _shadePass;
+    osg::ref_ptr<osg::Texture2D> _nothing; ///< one texel, stands for the texture of an absent stage
+    osg::ref_ptr<osg::Texture2DArray> _nothingLayered;
+};
+
+} // namespace osgTerrainLight

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "core/Raster.h"
+
+#include <glm/glm.hpp>
+
+#include <cassert>
+#include <cmath>
+
+namespace osgTerrainLight
+{
+
+/// C++ side of the dialect that shaders/lib shares with GLSL: every function of shaders/lib as a
+/// member, in the precision of Real (float or double). The other side is preamble.glsl.
+template <class Real>
+struct Glsl
+{
+    using real = Real;
+    using Length = Real;
+    using Angle = Real;
+    using Slope = Real;
+    using Radiance = Real;
+    using vec2 = glm::vec<2, Real>;
+    using vec3 = glm::vec<3, Real>;
+    using vec4 = glm::vec<4, Real>;
+    using ivec2 = glm::ivec2;
+    using ivec3 = glm::ivec3;
+    using sampler2D = const Raster<Real>&;
+
+    static vec4 texelFetch(sampler2D raster, ivec2 post, int)
+    {
+        return vec4(raster.at(post.x, post.y), Real(0), Real(0), Real(1));
+    }
+    static ivec2 textureSize(sampler2D raster, int)
+    {
+        return ivec2(raster.width(), raster.height());
+    }
+
+    // Overloads of GLSL's built-ins for Real; glm's take its vectors.
+    static Real abs(Real x) { return std::abs(x); }
+    static Real sqrt(Real x) { return std::sqrt(x); }
+    static Real floor(Real x) { return std::floor(x); }
+    static Real sin(Real x) { return std::sin(x); }
+    static Real cos(Real x) { return std::cos(x); }
+    static Real atan(Real x) { return std::atan(x); }
+    static Real min(Real a, Real b) { return b < a ? b : a; }
+    static Real max(Real a, Real b) { return a < b ? b : a; }
+    static int min(int a, int b) { return b < a ? b : a; }
+    static int max(int a, int b) { return a < b ? b : a; }
+    static Real clamp(Real x, Real a, Real b) { return min(max(x, a), b); }
+    static Real mix(Real a, Real b, Real t) { return a + (b - a) * t; }
+    static Real dot(const vec3& a, const vec3& b) { return glm::dot(a, b); }
+    static Real length(const vec3& a) { return glm::length(a); }
+    static vec3 normalize(const vec3& a) { return glm::normalize(a); }
+
+#define GLSL_CONST static constexpr
+#define GLSL_ASSERT(condition) assert(condition)
+#include "lib/all.glsl"
+#undef GLSL_CONST
+#undef GLSL_ASSERT
+};
+
+} // namespace osgTerrainLight

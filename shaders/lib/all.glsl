@@ -1,0 +1,5 @@
+// The order of composition: the one list, read by the C++ compiler and by ShaderLibrary.
+#include "angle.glsl"
+#include "surface.glsl"
+#include "horizon.glsl"
+#include "sky.glsl"

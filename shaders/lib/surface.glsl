@@ -1,0 +1,46 @@
+// The surface: bilinear between posts. Heights [m] are read from a texture that is framed by void
+// posts on all sides, so that no read leaves it.
+
+// Stands for a void post in a height texture; a mask, since no height is within a factor 1e24 of it.
+// A bilinear mix with a void post stays below VOID_LIMIT, so a crossing next to a void casts nothing.
+GLSL_CONST Length VOID_HEIGHT = real(-1.0e30);
+GLSL_CONST Length VOID_LIMIT = real(-1.0e15);
+
+bool isVoid(Length height)
+{
+    return height < VOID_LIMIT;
+}
+
+Length postHeight(sampler2D heights, ivec2 post)
+{
+    return texelFetch(heights, post, 0).x;
+}
+
+// Unit normal at a post (texel of the framed texture): sum of the unnormalised normals of the up to
+// four adjacent cells that have no void corner (Timonen and Westerholm 2010, section 7); straight up
+// where there is none. eastSpacing and northSpacing [m] > 0.
+vec3 postNormal(sampler2D heights, ivec2 post, Length eastSpacing, Length northSpacing)
+{
+    Length here = postHeight(heights, post);
+    real east = real(0.0);
+    real north = real(0.0);
+    real count = real(0.0);
+    for (int quadrant = 0; quadrant < 4; ++quadrant)
+    {
+        int x = quadrant % 2 == 0 ? 1 : -1;
+        int y = quadrant < 2 ? 1 : -1;
+        Length besideX = postHeight(heights, post + ivec2(x, 0));
+        Length besideY = postHeight(heights, post + ivec2(0, y));
+        Length across = postHeight(heights, post + ivec2(x, y));
+        if (!isVoid(besideX) && !isVoid(besideY) && !isVoid(across))
+        {
+            east = east + real(x) * (besideX - here);
+            north = north + real(y) * (besideY - here);
+            count = count + real(1.0);
+        }
+    }
+    // The cell's normal at its corner is (-dh/dx, -dh/dy, 1) times the cell's area, the same for all.
+    vec3 normal = vec3(-east * northSpacing, -north * eastSpacing,
+                       max(count, real(1.0)) * eastSpacing * northSpacing);
+    return normalize(normal);
+}

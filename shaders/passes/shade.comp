@@ -1,0 +1,47 @@
+// The shading texture: rgb = irradiance / pi, a = visible fraction of the sun.
+layout(local_size_x = 8, local_size_y = 8) in;
+
+uniform sampler2D heights; // R32F [m], framed by `frame` void posts, row 0 south
+uniform sampler2D eastSpacings; // R32F [m], one texel per row
+uniform sampler2D skyView; // R32F, sky-view factor; read where hasSky
+uniform sampler2DArray sunHorizon; // elevation codes towards the sun, one layer; read where hasSun
+layout(rgba16f, binding = 0) writeonly uniform image2D shading;
+
+uniform ivec2 size; // posts
+uniform int frame;
+uniform float northSpacing; // [m]
+uniform bool hasSky;
+uniform bool hasSun;
+uniform vec3 skyRadiance;
+uniform vec3 sunIrradiance; // on a surface that faces the sun
+uniform vec3 sunDirection;  // unit, x east, y north, z up
+uniform float sunElevation; // [rad]
+uniform float sunRadius;    // [rad]
+uniform float sunOff;       // alpha where there is no sun stage: 1 switched off, 0 below the horizontal
+
+void main()
+{
+    ivec2 post = ivec2(gl_GlobalInvocationID.xy);
+    if (post.x >= size.x || post.y >= size.y)
+        return;
+    if (isVoid(postHeight(heights, post + frame)))
+    {
+        imageStore(shading, post, vec4(0.0));
+        return;
+    }
+    vec3 light = vec3(0.0);
+    float visible = sunOff;
+    if (hasSky)
+        light += skyRadiance * texelFetch(skyView, post, 0).x;
+    if (hasSun)
+    {
+        // The sky's edge is the horizontal, for the sun as for the sky.
+        float code = texelFetch(sunHorizon, ivec3(post, 0), 0).x;
+        float edge = max(elevationOfCode(code), 0.0);
+        visible = visibleDiscFraction(sunElevation - edge, sunRadius);
+        vec3 normal = postNormal(heights, post + frame,
+                                 texelFetch(eastSpacings, ivec2(0, post.y), 0).x, northSpacing);
+        light += sunIrradiance * (visible * max(dot(normal, sunDirection), 0.0) / PI);
+    }
+    imageStore(shading, post, vec4(light, visible));
+}

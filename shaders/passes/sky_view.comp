@@ -1,0 +1,37 @@
+// Sky-view factor of every post from its horizons: the irradiance, over pi, of a uniform sky of
+// radiance 1 above the horizontal (TW10 Eq. 5), or one of the two other definitions in use.
+layout(local_size_x = 8, local_size_y = 8) in;
+
+uniform sampler2D heights; // R32F [m], framed by `frame` void posts, row 0 south
+uniform sampler2D eastSpacings; // R32F [m], one texel per row
+uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k/m from east
+layout(r32f, binding = 0) writeonly uniform image2D skyView;
+
+uniform ivec2 size; // posts
+uniform int frame;
+uniform int azimuths;
+uniform int definition; // 0 surface, 1 horizontal, 2 solid angle
+uniform float northSpacing; // [m]
+
+void main()
+{
+    ivec2 post = ivec2(gl_GlobalInvocationID.xy);
+    if (post.x >= size.x || post.y >= size.y)
+        return;
+    if (isVoid(postHeight(heights, post + frame)))
+    {
+        imageStore(skyView, post, vec4(-1.0));
+        return;
+    }
+    vec3 normal = postNormal(heights, post + frame,
+                             texelFetch(eastSpacings, ivec2(0, post.y), 0).x, northSpacing);
+    float width = 2.0 * PI / float(azimuths);
+    float sum = 0.0;
+    for (int k = 0; k < azimuths; ++k)
+    {
+        float phi = width * float(k);
+        float elevation = elevationOfCode(texelFetch(horizon, ivec3(post, k), 0).x);
+        sum += skySlice(elevation, normal, cos(phi), sin(phi), width, definition);
+    }
+    imageStore(skyView, post, vec4(sum));
+}
