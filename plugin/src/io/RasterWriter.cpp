@@ -1,0 +1,465 @@
+#include "io/RasterWriter.h"
+
+#include <cpl_conv.h>
+#include <cpl_string.h>
+#include <cpl_vsi.h>
+#include <gdal_priv.h>
+#include <ogr_spatialref.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <optional>
+#include <set>
+
+namespace osgTerrainLight
+{
+namespace
+{
+
+std::string size(int width, int height)
+{
+    return std::to_string(width) + " x " + std::to_string(height);
+}
+
+bool exists(const std::string& path)
+{
+    VSIStatBufL stat;
+    return VSIStatExL(path.c_str(), &stat, VSI_STAT_EXISTS_FLAG) == 0;
+}
+
+/// A hidden folder beside the target that a driver writes into under the final name, so that names
+/// inside sidecar files are right, too. Removed with everything in it, whatever happens.
+class PendingFile
+{
+public:
+    explicit PendingFile(const std::string& target) : _target(target) {}
+    ~PendingFile()
+    {
+        if (!_folder.empty())
+            VSIRmdirRecursive(_folder.c_str());
+    }
+    PendingFile(const PendingFile&) = delete;
+    PendingFile& operator=(const PendingFile&) = delete;
+
+    Status create(bool overwrite)
+    {
+        VSIStatBufL stat;
+        if (VSIStatL(_target.c_str(), &stat) == 0)
+        {
+            if (VSI_ISDIR(stat.st_mode))
+                return Error{ErrorCode::Failed,
+                             _target + ": is a folder; needed the name of a file"};
+            if (!overwrite)
+                return Error{ErrorCode::Failed,
+                             _target + ": exists already, and overwriting was not asked for"};
+        }
+        static std::atomic<unsigned> counter{0};
+        _parent = CPLGetPath(_target.c_str());
+        _name = CPLGetFilename(_target.c_str());
+        const std::string folder =
+            beside("." + _name + ".partial-" + std::to_string(CPLGetCurrentProcessID()) + "-" +
+                   std::to_string(counter++));
+        if (_name.empty() || VSIMkdir(folder.c_str(), 0755) != 0)
+            return Error{ErrorCode::Failed, _target + ": cannot write into " +
+                                                (_parent.empty() ? "this folder" : _parent) +
+                                                "; needed an existing folder with leave to write"};
+        _folder = folder;
+        return Nothing{};
+    }
+
+    std::string path() const { return inside(_name); }
+    std::string inside(const std::string& name) const { return _folder + "/" + name; }
+
+    /// Moves all that the driver wrote over the target; the main file first, since where that fails
+    /// nothing has changed.
+    Status commit()
+    {
+        if (VSIRename(path().c_str(), _target.c_str()) != 0)
+            return Error{ErrorCode::Failed, _target + ": cannot be replaced by the file written"};
+        // Statistics, overviews and masks of the file that was there before.
+        for (const char* stale : {".aux.xml", ".ovr", ".msk"})
+            VSIUnlink((_target + stale).c_str());
+        const CPLStringList names(VSIReadDir(_folder.c_str()));
+        for (int i = 0; i < names.size(); ++i)
+        {
+            const std::string name = names[i];
+            if (name == "." || name == "..")
+                continue;
+            if (VSIRename(inside(name).c_str(), beside(name).c_str()) != 0)
+                return Error{ErrorCode::Failed, beside(name) + ": cannot be written"};
+        }
+        return Nothing{};
+    }
+
+private:
+    std::string beside(const std::string& name) const
+    {
+        return _parent.empty() ? name : CPLFormFilename(_parent.c_str(), name.c_str(), nullptr);
+    }
+
+    std::string _target, _parent, _name, _folder;
+};
+
+bool writes(GDALDriver& driver)
+{
+    return driver.GetMetadataItem(GDAL_DCAP_RASTER) &&
+           (driver.GetMetadataItem(GDAL_DCAP_CREATE) ||
+            driver.GetMetadataItem(GDAL_DCAP_CREATECOPY)) &&
+           !EQUAL(driver.GetDescription(), "MEM");
+}
+
+bool hasExtension(GDALDriver& driver, const char* extension)
+{
+    const char* all = driver.GetMetadataItem(GDAL_DMD_EXTENSIONS);
+    if (!all)
+        all = driver.GetMetadataItem(GDAL_DMD_EXTENSION);
+    const CPLStringList extensions(CSLTokenizeString(all ? all : ""));
+    return extensions.FindString(extension) >= 0;
+}
+
+Result<GDALDriver*> findDriver(const std::string& path, const std::string& name)
+{
+    GDALDriverManager& manager = *GetGDALDriverManager();
+    if (!name.empty())
+    {
+        GDALDriver* driver = manager.GetDriverByName(name.c_str());
+        if (!driver)
+            return Error{ErrorCode::NotSupported, path + ": GDAL has no driver \"" + name +
+                                                      "\"; gdalinfo --formats lists those it has"};
+        if (!writes(*driver))
+            return Error{ErrorCode::NotSupported,
+                         path + ": GDAL's driver \"" + name + "\" does not write raster files"};
+        return driver;
+    }
+    const std::string extension = CPLGetExtension(path.c_str());
+    // As GDAL's own tools: the first registered; GTiff before COG, netCDF before GMT, by that order
+    // or by name.
+    if (extension.empty())
+        return manager.GetDriverByName("GTiff");
+    if (EQUAL(extension.c_str(), "nc"))
+        if (GDALDriver* driver = manager.GetDriverByName("netCDF"))
+            return driver;
+    for (int i = 0; i < manager.GetDriverCount(); ++i)
+    {
+        GDALDriver* driver = manager.GetDriver(i);
+        if (writes(*driver) && hasExtension(*driver, extension.c_str()))
+            return driver;
+    }
+    return Error{ErrorCode::NotSupported,
+                 path + ": no GDAL driver writes ." + extension +
+                     " files; needed another extension or a driver's name"};
+}
+
+CPLStringList optionList(const std::vector<std::string>& options)
+{
+    CPLStringList list;
+    for (const std::string& option : options)
+        list.AddString(option.c_str());
+    return list;
+}
+
+/// What every driver is told before pixels are written.
+Status describe(const std::string& path, GDALDataset& dataset, const RasterFrame& frame,
+                const RasterWriteOptions& options, const GdalErrors& errors)
+{
+    if (frame.hasGeoTransform)
+    {
+        std::array<double, 6> transform = frame.geoTransform;
+        if (dataset.SetGeoTransform(transform.data()) != CE_None)
+            return Error{ErrorCode::Failed,
+                         path + ": cannot store the geotransform: " + errors.first()};
+    }
+    if (!frame.crs.empty())
+    {
+        OGRSpatialReference crs;
+        if (crs.importFromWkt(frame.crs.c_str()) != OGRERR_NONE)
+            return Error{ErrorCode::Invalid, path + ": the CRS given is not WKT"};
+        crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+        if (dataset.SetSpatialRef(&crs) != CE_None)
+            return Error{ErrorCode::Failed, path + ": cannot store the CRS: " + errors.first()};
+    }
+    for (const auto& [key, value] : options.metadata)
+        dataset.SetMetadataItem(key.c_str(), value.c_str());
+    return Nothing{};
+}
+
+/// The frame of the same pixels with the first row north and the first column west.
+RasterFrame upright(RasterFrame frame)
+{
+    std::array<double, 6>& t = frame.geoTransform;
+    if (!frame.northUp)
+    {
+        t[3] += frame.height * t[5];
+        t[5] = -t[5];
+    }
+    if (!frame.westFirst)
+    {
+        t[0] += frame.width * t[1];
+        t[1] = -t[1];
+    }
+    frame.northUp = frame.westFirst = true;
+    return frame;
+}
+
+/// One file from creation to its place: what bands and pictures have in common.
+struct OutputFile
+{
+    OutputFile(const std::string& path_, const RasterFrame& frame_,
+               const RasterWriteOptions& options_)
+        : path(path_), frame(frame_), options(options_), file(path_)
+    {
+    }
+    ~OutputFile()
+    {
+        GdalErrors quiet;
+        dataset.reset();
+    }
+
+    /// Creates the dataset that pixels go into: the file itself, or the source of a copy.
+    Status create(int bandCount, GDALDataType type, bool copyOnly)
+    {
+        GdalErrors errors;
+        if (frame.width < 1 || frame.height < 1 || bandCount < 1)
+            return Error{ErrorCode::Invalid, path + ": " + size(frame.width, frame.height) +
+                                                 " pixels in " + std::to_string(bandCount) +
+                                                 " bands; needed at least one of each"};
+        Result<GDALDriver*> found = findDriver(path, options.driver);
+        if (!found)
+            return found.error();
+        driver = *found;
+        CPLStringList creation = optionList(options.creationOptions);
+        // GDAL only warns of an option that it does not know, and goes on without it.
+        if (!GDALValidateCreationOptions(driver, creation.List()))
+            return Error{ErrorCode::Invalid, path + ": " + errors.first()};
+        if (Status made = file.create(options.overwrite); !made)
+            return made;
+
+        copies = copyOnly || !driver->GetMetadataItem(GDAL_DCAP_CREATE);
+        GDALDriver* creator = driver;
+        std::string target = file.path();
+        if (copies)
+        {
+            const double bytes =
+                double(frame.width) * frame.height * bandCount * GDALGetDataTypeSizeBytes(type);
+            const bool inMemory = bytes <= 256.0 * 1024.0 * 1024.0;
+            creator = GetGDALDriverManager()->GetDriverByName(inMemory ? "MEM" : "GTiff");
+            scratch = inMemory ? "" : file.inside(".copied.tif");
+            target = scratch;
+            creation.Clear();
+        }
+        if (EQUAL(creator->GetDescription(), "GTiff"))
+        {
+            // Bands come one by one; pixel-interleaved (GDAL's default), each would rewrite the
+            // file.
+            if (!creation.FetchNameValue("INTERLEAVE"))
+                creation.SetNameValue("INTERLEAVE", "BAND");
+            if (!creation.FetchNameValue("BIGTIFF"))
+                creation.SetNameValue("BIGTIFF", "IF_SAFER");
+        }
+        dataset.reset(creator->Create(target.c_str(), frame.width, frame.height, bandCount, type,
+                                      creation.List()));
+        if (!dataset)
+            return failed("cannot be created", errors);
+        if (dataset->GetRasterBand(1)->GetRasterDataType() != type)
+            return Error{ErrorCode::NotSupported, path + ": GDAL's driver \"" +
+                                                      driver->GetDescription() + "\" has no " +
+                                                      GDALGetDataTypeName(type) + " bands"};
+        return describe(path, *dataset, frame, options, errors);
+    }
+
+    Error failed(const std::string& what, const GdalErrors& errors) const
+    {
+        return {ErrorCode::Failed, path + ": " + what + ": " + errors.first()};
+    }
+
+    Status finish()
+    {
+        GdalErrors errors;
+        if (copies)
+        {
+            // Strict: a driver that would drop bands or turn heights into bytes must fail instead.
+            dataset->FlushCache(false);
+            const CPLStringList creation = optionList(options.creationOptions);
+            GDALDatasetUniquePtr copy(driver->CreateCopy(file.path().c_str(), dataset.get(), TRUE,
+                                                         creation.List(), nullptr, nullptr));
+            if (!copy)
+                return failed(std::string("cannot be written as ") + driver->GetDescription(),
+                              errors);
+            copy.reset();
+        }
+        dataset.reset();
+        if (!scratch.empty())
+            VSIUnlink(scratch.c_str());
+        // Closing writes what is still cached, and reports by messages only.
+        if (errors.hasFailure())
+            return failed("cannot be completed", errors);
+        if (!exists(file.path()))
+            return Error{ErrorCode::Failed, path + ": GDAL's driver \"" + driver->GetDescription() +
+                                                "\" wrote no file of that name"};
+        return file.commit();
+    }
+
+    std::string path;
+    RasterFrame frame;
+    RasterWriteOptions options;
+    GDALDriver* driver = nullptr;
+    bool copies = false;
+    std::string scratch;
+    // Closed before its folder is removed: destruction runs upwards.
+    PendingFile file;
+    GDALDatasetUniquePtr dataset;
+};
+
+} // namespace
+
+struct RasterWriter::State : OutputFile
+{
+    using OutputFile::OutputFile;
+
+    std::set<int> written;
+    bool broken = false;
+};
+
+RasterWriter::RasterWriter(std::unique_ptr<State> state) : _state(std::move(state)) {}
+RasterWriter::RasterWriter(RasterWriter&& other) noexcept = default;
+RasterWriter& RasterWriter::operator=(RasterWriter&& other) noexcept = default;
+RasterWriter::~RasterWriter() = default;
+
+Result<RasterWriter> RasterWriter::open(const std::string& path, const RasterFrame& frame,
+                                        const std::vector<BandLabel>& bands,
+                                        const RasterWriteOptions& options)
+{
+    auto state = std::make_unique<State>(path, frame, options);
+    if (Status created = state->create(static_cast<int>(bands.size()), GDT_Float32, false);
+        !created)
+        return created.error();
+    // Labels before pixels: a TIFF's directory is then written once. A driver that has no place for
+    // one puts it into a sidecar file.
+    GdalErrors errors;
+    for (std::size_t i = 0; i < bands.size(); ++i)
+    {
+        GDALRasterBand& band = *state->dataset->GetRasterBand(static_cast<int>(i) + 1);
+        if (band.SetNoDataValue(static_cast<double>(noData)) != CE_None)
+            return state->failed("cannot store the nodata value", errors);
+        if (!bands[i].description.empty())
+            band.SetDescription(bands[i].description.c_str());
+        if (!bands[i].unit.empty())
+            band.SetUnitType(bands[i].unit.c_str());
+    }
+    return RasterWriter(std::move(state));
+}
+
+Status RasterWriter::writeBand(int band, const Raster<float>& values)
+{
+    if (!_state || _state->broken)
+        return Error{ErrorCode::Failed, (_state ? _state->path + ": " : std::string()) +
+                                            "nothing can be written after a failure or the end"};
+    State& state = *_state;
+    const RasterFrame& frame = state.frame;
+    if (band < 1 || band > state.dataset->GetRasterCount() || state.written.count(band) != 0)
+        return Error{ErrorCode::Invalid, state.path + ": band " + std::to_string(band) + " of " +
+                                             std::to_string(state.dataset->GetRasterCount()) +
+                                             " is written already or does not exist"};
+    if (values.width() != frame.width || values.height() != frame.height)
+        return Error{ErrorCode::Invalid, state.path + ": band " + std::to_string(band) + " has " +
+                                             size(values.width(), values.height()) +
+                                             " values; needed " + size(frame.width, frame.height)};
+
+    GdalErrors errors;
+    GDALRasterBand& target = *state.dataset->GetRasterBand(band);
+    const int stripRows = std::max(1, (1 << 20) / frame.width);
+    std::vector<float> strip;
+    for (int first = 0; first < frame.height; first += stripRows)
+    {
+        const int rows = std::min(stripRows, frame.height - first);
+        strip.clear();
+        for (int row = first; row < first + rows; ++row)
+            for (int column = 0; column < frame.width; ++column)
+            {
+                const float value = values.at(frame.fileColumn(column), frame.fileRow(row));
+                strip.push_back(std::isnan(value) ? noData : value);
+            }
+        if (target.RasterIO(GF_Write, 0, first, frame.width, rows, strip.data(), frame.width, rows,
+                            GDT_Float32, 0, 0, nullptr) != CE_None)
+        {
+            state.broken = true;
+            return state.failed("cannot write band " + std::to_string(band), errors);
+        }
+    }
+    // To the file now: what stays in the block cache would fail at another band's turn.
+    if (target.FlushCache(false) != CE_None || errors.hasFailure())
+    {
+        state.broken = true;
+        return state.failed("cannot write band " + std::to_string(band), errors);
+    }
+    state.written.insert(band);
+    return Nothing{};
+}
+
+Status RasterWriter::finish()
+{
+    if (!_state || _state->broken)
+        return Error{ErrorCode::Failed, (_state ? _state->path + ": " : std::string()) +
+                                            "nothing can be written after a failure or the end"};
+    const std::unique_ptr<State> state = std::move(_state);
+    const int bands = state->dataset->GetRasterCount();
+    if (static_cast<int>(state->written.size()) != bands)
+        return Error{ErrorCode::Invalid, state->path + ": only " +
+                                             std::to_string(state->written.size()) + " of " +
+                                             std::to_string(bands) + " bands were written"};
+    return state->finish();
+}
+
+Status writeRaster(const std::string& path, const RasterFrame& frame,
+                   const std::vector<RasterBand>& bands, const RasterWriteOptions& options)
+{
+    std::vector<BandLabel> labels;
+    for (const RasterBand& band : bands)
+        labels.push_back(band.label);
+    Result<RasterWriter> writer = RasterWriter::open(path, frame, labels, options);
+    if (!writer)
+        return writer.error();
+    for (std::size_t i = 0; i < bands.size(); ++i)
+        if (Status written = writer->writeBand(static_cast<int>(i) + 1, bands[i].values); !written)
+            return written;
+    return writer->finish();
+}
+
+Status writeRgb8(const std::string& path, const RasterFrame& frame,
+                 const std::vector<std::uint8_t>& pixels, const RasterWriteOptions& options)
+{
+    OutputFile output(path, upright(frame), options);
+    const std::size_t count =
+        static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height);
+    const std::size_t channels = count > 0 ? pixels.size() / count : 0;
+    if ((channels != 3 && channels != 4) || pixels.size() != channels * count)
+        return Error{ErrorCode::Invalid,
+                     path + ": " + std::to_string(pixels.size()) + " bytes for a picture of " +
+                         size(frame.width, frame.height) + "; needed 3 or 4 per pixel"};
+    // Always by copy: how a driver is told of colours differs, but they all know them from a
+    // source.
+    if (Status created = output.create(static_cast<int>(channels), GDT_Byte, true); !created)
+        return created;
+    GdalErrors errors;
+    constexpr GDALColorInterp colours[] = {GCI_RedBand, GCI_GreenBand, GCI_BlueBand, GCI_AlphaBand};
+    std::vector<std::uint8_t> line(static_cast<std::size_t>(frame.width));
+    for (std::size_t channel = 0; channel < channels; ++channel)
+    {
+        GDALRasterBand& band = *output.dataset->GetRasterBand(static_cast<int>(channel) + 1);
+        band.SetColorInterpretation(colours[channel]);
+        for (int row = 0; row < frame.height; ++row)
+        {
+            const std::size_t first =
+                static_cast<std::size_t>(output.frame.fileRow(row)) * line.size();
+            for (std::size_t i = 0; i < line.size(); ++i)
+                line[i] = pixels[(first + i) * channels + channel];
+            if (band.RasterIO(GF_Write, 0, row, frame.width, 1, line.data(), frame.width, 1,
+                              GDT_Byte, 0, 0, nullptr) != CE_None)
+                return output.failed("cannot be written", errors);
+        }
+    }
+    return output.finish();
+}
+
+} // namespace osgTerrainLight
