@@ -96,15 +96,22 @@ Status GpuPass::dispatch(osg::State& state, Groups groups)
     if (!built)
         return built;
 
+    // Applied directly, not through the state's lazy tracking: that compares addresses, and takes a
+    // new texture for a deleted one that stood in the same place. apply() also allocates.
     const auto* extensions = state.get<osg::GLExtensions>();
     const unsigned context = state.getContextID();
+    const auto applyTexture = [&state](unsigned unit, const osg::Texture& texture)
+    {
+        state.setActiveTextureUnit(unit);
+        texture.apply(state);
+    };
     for (const Output& output : _outputs)
         if (!output.texture->getTextureObject(context))
-            state.applyTextureAttribute(0, output.texture.get()); // allocates it
+            applyTexture(0, *output.texture);
     for (std::size_t unit = 0; unit < _inputs.size(); ++unit)
-        state.applyTextureAttribute(static_cast<unsigned>(unit), _inputs[unit].texture.get());
+        applyTexture(static_cast<unsigned>(unit), *_inputs[unit].texture);
 
-    state.applyAttribute(_program.get());
+    _program->apply(state);
     const osg::Program::PerContextProgram* linked = _program->getPCP(state);
     for (const auto& [name, uniform] : _uniforms)
         linked->apply(*uniform);
@@ -122,6 +129,14 @@ Status GpuPass::dispatch(osg::State& state, Groups groups)
     extensions->glDispatchCompute(groups.x, groups.y, groups.z);
     extensions->glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                                 GL_TEXTURE_UPDATE_BARRIER_BIT);
+
+    // What OSG believes of the state must be what it is.
+    extensions->glUseProgram(0);
+    state.setLastAppliedProgramObject(nullptr);
+    state.haveAppliedAttribute(osg::StateAttribute::PROGRAM);
+    for (std::size_t unit = 0; unit <= _inputs.size(); ++unit)
+        state.haveAppliedTextureAttribute(static_cast<unsigned>(unit),
+                                          osg::StateAttribute::TEXTURE);
     return Nothing{};
 }
 

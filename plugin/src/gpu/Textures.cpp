@@ -66,7 +66,8 @@ std::vector<T> read(osg::State& state, osg::Texture& texture, GLenum format, GLe
                           static_cast<std::size_t>(texture.getTextureHeight()) *
                           static_cast<std::size_t>(layers) * static_cast<std::size_t>(channels));
     state.setActiveTextureUnit(0);
-    state.applyTextureAttribute(0, &texture);
+    texture.apply(state);
+    state.haveAppliedTextureAttribute(0, osg::StateAttribute::TEXTURE);
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glGetTexImage(texture.getTextureTarget(), 0, format, type, values.data());
     return values;
