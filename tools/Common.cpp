@@ -1,0 +1,482 @@
+#include "Common.h"
+
+#include "gpu/passes/HorizonPass.h"
+
+#include <cpl_conv.h>
+#include <cpl_string.h>
+#include <gdal_priv.h>
+#include <osg/GL>
+
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+
+namespace osgTerrainLight::tool
+{
+namespace
+{
+
+// Where reading and computing end on the progress line.
+constexpr double readEnd = 0.1;
+constexpr double computeEnd = 0.8;
+
+volatile std::sig_atomic_t waitingSignal = 0;
+
+void keepSignal(int signal)
+{
+    waitingSignal = signal;
+}
+
+std::optional<double> number(std::string_view text)
+{
+    if (!text.empty() && text.front() == '+')
+        text.remove_prefix(1);
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size())
+        return std::nullopt;
+    return value;
+}
+
+/// Numbers of an option, fewest … most; complaint(i, value) is empty where number i may be that.
+CLI::Option* addCheckedNumbers(CLI::App& app, const std::string& option,
+                               const std::string& typeName, std::size_t fewest, std::size_t most,
+                               const std::string& help,
+                               std::function<std::string(std::size_t, double)> complaint,
+                               std::function<void(const std::vector<double>&)> set)
+{
+    const auto read = [=](const std::string& given)
+    {
+        std::vector<double> values;
+        for (const std::string& part : CLI::detail::split(given, ','))
+        {
+            const std::optional<double> value = number(part);
+            if (!value || values.size() == most)
+                throw CLI::ValidationError(option, "'" + given + "'; needs " + typeName);
+            if (const std::string wrong = complaint(values.size(), *value); !wrong.empty())
+                throw CLI::ValidationError(option, wrong);
+            values.push_back(*value);
+        }
+        if (values.size() < fewest)
+            throw CLI::ValidationError(option, "'" + given + "'; needs " + typeName);
+        set(values);
+    };
+    return app.add_option_function<std::string>(option, read, help)->type_name(typeName);
+}
+
+/// Finds out before the work what else would show after it: no such folder, driver or creation
+/// option.
+Status probe(const OutputOptions& output)
+{
+    RasterFrame pixel;
+    pixel.width = pixel.height = 1;
+    OutputOptions options = output;
+    if (isExr(output)) // not GDAL's to write: the folder is what matters
+        options.format = "GTiff";
+    Result<RasterWriter> writer =
+        RasterWriter::open(output.path, pixel, {{}}, writeOptions(options, {}));
+    if (!writer)
+        return writer.error();
+    return Nothing{}; // the writer goes, and what it made with it
+}
+
+/// Computes the light of lit.dem: what is not shared by all azimuths first, so that progress shows.
+Status compute(LitTile& lit, const RasterOptions& options, const SkyLight& sky,
+               SkyViewDefinition definition, Progress& progress)
+{
+    const auto start = std::chrono::steady_clock::now();
+    SkyLight first = sky;
+    first.sunEnabled = sky.sunEnabled && !sky.skyEnabled;
+    lit.lighting = new TileLighting(lit.dem.tile, options.settings, first, definition);
+    for (const SkyLight& light : {first, sky})
+    {
+        lit.lighting->setSky(light);
+        if (Status done = lit.lighting->update(lit.gpu.state()); !done)
+            return done;
+        if (Status done = lit.gpu.finish(); !done)
+            return done;
+        progress.reach(0.5 * (readEnd + computeEnd));
+    }
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    lit.seconds = took.count();
+    for (const StageCost& cost : lit.lighting->costs())
+        if (cost.dispatches > 0)
+            lit.azimuths += cost.name == "horizon" ? options.settings.azimuths
+                            : cost.name == "sun"   ? 1
+                                                   : 0;
+    progress.reach(computeEnd);
+    return Nothing{};
+}
+
+void summarise(const std::string& mode, const LitTile& lit)
+{
+    const double posts = static_cast<double>(lit.dem.tile.postCount());
+    std::cout << mode << ": " << lit.dem.tile.postCount() << " posts, " << lit.azimuths
+              << (lit.azimuths == 1 ? " azimuth, " : " azimuths, ")
+              << CPLSPrintf("%.3g s, %.3g million pixel-azimuths/s", lit.seconds,
+                            posts * lit.azimuths / lit.seconds * 1e-6);
+    if (const unsigned dropped = lit.lighting->readDroppedVertices(lit.gpu.state()))
+        std::cout << ", " << dropped << " hull vertices dropped";
+    std::cout << std::endl;
+}
+
+} // namespace
+
+bool isExr(const OutputOptions& output)
+{
+    return output.format.empty() ? EQUAL(CPLGetExtension(output.path.c_str()), "exr")
+                                 : EQUAL(output.format.c_str(), "EXR");
+}
+
+std::string Limits::complaint(double value) const
+{
+    if (value >= minimum && value <= maximum && (!whole || value == std::floor(value)))
+        return {};
+    return name + " = " + text(value) + ": needs " + (whole ? "a whole number, " : "") +
+           text(minimum) + " ... " + text(maximum);
+}
+
+std::string text(double value)
+{
+    return CPLSPrintf("%.10g", value);
+}
+
+std::string text(const Rgb& c)
+{
+    return CPLSPrintf("%.6g,%.6g,%.6g", static_cast<double>(c[0]), static_cast<double>(c[1]),
+                      static_cast<double>(c[2]));
+}
+
+void complain(const std::string& sentence)
+{
+    std::cerr << "terrainlight: " << sentence << std::endl;
+}
+
+void warn(const std::string& sentence)
+{
+    complain("warning: " + sentence);
+}
+
+CLI::Option* addNumbers(CLI::App& app, const std::string& option, const std::string& typeName,
+                        const std::vector<std::string>& names, const std::string& help,
+                        std::function<void(const std::vector<double>&)> set)
+{
+    return addCheckedNumbers(
+        app, option, typeName, names.size(), names.size(), help,
+        [names](std::size_t i, double value)
+        { return ParameterRange::find(names[i])->complaint(value); },
+        std::move(set));
+}
+
+CLI::Option* addLimitedNumbers(CLI::App& app, const std::string& option,
+                               const std::string& typeName, const std::vector<Limits>& limits,
+                               const std::string& help,
+                               std::function<void(const std::vector<double>&)> set)
+{
+    return addCheckedNumbers(
+        app, option, typeName, limits.size(), limits.size(), help,
+        [limits](std::size_t i, double value) { return limits[i].complaint(value); },
+        std::move(set));
+}
+
+void addSize(CLI::App& app, int& width, int& height, const std::string& help)
+{
+    const Limits limits = {"size", 1.0, 65536.0, true};
+    addCheckedNumbers(
+        app, "--size", "W[,H]", 1, 2, help,
+        [limits](std::size_t, double value) { return limits.complaint(value); },
+        [&](const auto& v)
+        {
+            width = static_cast<int>(v.front());
+            height = static_cast<int>(v.back());
+        });
+}
+
+void addConfig(CLI::App& app)
+{
+    const auto set = [](const std::vector<std::pair<std::string, std::string>>& options)
+    {
+        for (const auto& [key, value] : options)
+            CPLSetConfigOption(key.c_str(), value.c_str());
+    };
+    app.add_option_function<std::vector<std::pair<std::string, std::string>>>(
+           "--config", set, "GDAL configuration option; may be repeated")
+        ->type_name("KEY VALUE")
+        ->allow_extra_args(false);
+}
+
+void addQuiet(CLI::App& app, bool& quiet)
+{
+    app.add_flag("-q,--quiet", quiet, "No progress and no summary");
+}
+
+void addSettings(CLI::App& app, LightingSettings& settings, bool azimuths)
+{
+    if (azimuths)
+        addNumbers(app, "--azimuths", "N", {"azimuths"},
+                   "Azimuths of the horizons, a multiple of 4, 4 ... 256; default " +
+                       std::to_string(settings.azimuths),
+                   [&settings](const auto& v) { settings.azimuths = static_cast<int>(v[0]); });
+    app.add_option_function<std::string>(
+           "--quality",
+           [&settings](const std::string& name) { fromString(name, settings.quality); },
+           "Speed against error; default normal")
+        ->check(CLI::IsMember({"draft", "normal", "best"}));
+}
+
+void refuseSameFile(const std::string& input, const std::string& output)
+{
+    std::error_code ignored;
+    if (input == output || std::filesystem::equivalent(input, output, ignored))
+        throw CLI::ValidationError("OUTPUT", output + " is the input file: needs another name");
+}
+
+void addExposure(CLI::App& app, LightingSettings& settings)
+{
+    addNumbers(app, "--exposure", "STOPS", {"exposure"},
+               "Picture: colours times 2^STOPS before sRGB, -20 ... 20; default 0",
+               [&settings](const auto& v) { settings.exposure = v[0]; });
+}
+
+void addSun(CLI::App& app, SkyLight& sky)
+{
+    addNumbers(app, "--sun", "AZ,EL", {"sun-azimuth", "sun-elevation"},
+               "Where the sun stands: degrees clockwise from north and above the horizontal; "
+               "default " +
+                   text(sky.sunAzimuth) + "," + text(sky.sunElevation),
+               [&sky](const auto& v)
+               {
+                   sky.sunAzimuth = v[0];
+                   sky.sunElevation = v[1];
+               });
+}
+
+void addSunRadius(CLI::App& app, SkyLight& sky)
+{
+    addNumbers(app, "--sun-radius", "DEGREES", {"sun-radius"},
+               "Angular radius of the sun's disc, 0.01 ... 10; default " +
+                   text(sky.sunAngularRadius),
+               [&sky](const auto& v) { sky.sunAngularRadius = v[0]; });
+}
+
+void addReadOptions(CLI::App& app, DemReadOptions& read)
+{
+    app.add_option_function<std::vector<int>>(
+           "--srcwin",
+           [&read](const std::vector<int>& v) {
+               read.window = PixelWindow{v[0], v[1], v[2], v[3]};
+           },
+           "Part of the input in pixels: left, top, width, height")
+        ->expected(4)
+        ->type_name("X Y W H");
+    app.add_option("--band", read.band, "Band of the input, from 1; default 1")->type_name("N");
+    addLimitedNumbers(app, "--cell-size", "METRES", {{"cell size", 1e-6, 1e6, false}},
+                      "Distance between posts where the input has no geotransform",
+                      [&read](const auto& v) { read.cellSize = v[0]; });
+}
+
+void addOutputOptions(CLI::App& app, OutputOptions& output)
+{
+    app.add_option("--of", output.format,
+                   "Output format, GDAL's short name; default by OUTPUT's extension")
+        ->type_name("FORMAT");
+    app.add_option("--co", output.creationOptions, "Creation option of the format; may be repeated")
+        ->type_name("NAME=VALUE")
+        ->allow_extra_args(false);
+    addQuiet(app, output.quiet);
+    addConfig(app);
+}
+
+void addRasterOptions(CLI::App& app, RasterOptions& options, bool azimuths)
+{
+    app.add_option("INPUT", options.input, "DEM: any raster that GDAL reads")
+        ->required()
+        ->type_name("");
+    app.add_option("OUTPUT", options.output.path, "File to write")->required()->type_name("");
+    addSettings(app, options.settings, azimuths);
+    addReadOptions(app, options.read);
+    addOutputOptions(app, options.output);
+}
+
+Progress::~Progress()
+{
+    if (!_quiet && _reached >= 0.0 && _reached < 1.0)
+        std::cout << std::endl;
+}
+
+void Progress::reach(double fraction)
+{
+    if (_quiet || fraction <= _reached)
+        return;
+    _reached = std::min(fraction, 1.0);
+    GDALTermProgress(_reached, nullptr, nullptr);
+}
+
+DeferredSignals::DeferredSignals()
+{
+    std::signal(SIGINT, keepSignal);
+    std::signal(SIGTERM, keepSignal);
+}
+
+DeferredSignals::~DeferredSignals()
+{
+    std::signal(SIGINT, SIG_DFL);
+    std::signal(SIGTERM, SIG_DFL);
+    if (waitingSignal != 0)
+        std::raise(waitingSignal);
+}
+
+Status DeferredSignals::check()
+{
+    if (waitingSignal != 0)
+        return Error{ErrorCode::Failed, "interrupted"};
+    return Nothing{};
+}
+
+Status Gpu::finish() const
+{
+    glFinish();
+    const GLenum error = glGetError();
+    if (error == GL_NO_ERROR)
+        return Nothing{};
+    if (error == GL_OUT_OF_MEMORY)
+        return Error{ErrorCode::Failed, "not enough graphics memory on '" + capabilities.renderer +
+                                            "'; fewer azimuths or a smaller -srcwin need less "
+                                            "(terrainlight info INPUT says how much)"};
+    return Error{ErrorCode::Failed,
+                 CPLSPrintf("OpenGL error 0x%04x on '%s'", error, capabilities.renderer.c_str())};
+}
+
+Result<Gpu> openGpu(int width, int height)
+{
+    Result<std::unique_ptr<HeadlessContext>> context = HeadlessContext::create(width, height);
+    if (!context)
+        return context.error();
+    Gpu gpu;
+    gpu.context = std::move(*context);
+    Result<GpuCapabilities> capabilities = GpuCapabilities::query(gpu.state());
+    if (!capabilities)
+        return capabilities.error();
+    gpu.capabilities = *capabilities;
+    return gpu;
+}
+
+Status checkFits(const Gpu& gpu, int width, int height, const LightingSettings& settings)
+{
+    const int frame = HorizonPass::frame(HorizonScheme::of(settings.quality));
+    const int most = gpu.capabilities.maxTextureSize - 2 * frame;
+    if (width > most || height > most)
+        return Error{ErrorCode::NotSupported,
+                     std::to_string(width) + " x " + std::to_string(height) + " posts; '" +
+                         gpu.capabilities.renderer + "' takes " + std::to_string(most) +
+                         " a side: needed a smaller -srcwin"};
+    return Nothing{};
+}
+
+void add(Metadata& metadata, const std::string& name, const std::string& value)
+{
+    metadata.emplace_back("TERRAINLIGHT_" + name, value);
+}
+
+void addSun(Metadata& metadata, const SkyLight& sky)
+{
+    add(metadata, "SUN_AZIMUTH", text(sky.sunAzimuth));
+    add(metadata, "SUN_ELEVATION", text(sky.sunElevation));
+    add(metadata, "SUN_RADIUS", text(sky.sunAngularRadius));
+}
+
+Metadata describe(const std::string& mode, const LightingSettings& settings, bool azimuths)
+{
+    Metadata metadata = {{"TIFFTAG_SOFTWARE", "osgTerrainLight " OSGTERRAINLIGHT_VERSION}};
+    add(metadata, "VERSION", OSGTERRAINLIGHT_VERSION);
+    add(metadata, "MODE", mode);
+    if (azimuths)
+        add(metadata, "AZIMUTHS", std::to_string(settings.azimuths));
+    add(metadata, "QUALITY", toString(settings.quality));
+    return metadata;
+}
+
+RasterWriteOptions writeOptions(const OutputOptions& output, const Metadata& metadata)
+{
+    RasterWriteOptions options;
+    options.driver = output.format;
+    options.creationOptions = output.creationOptions;
+    options.metadata = metadata;
+    return options;
+}
+
+Status process(const std::string& mode, const RasterOptions& options, const SkyLight& sky,
+               SkyViewDefinition definition,
+               const std::function<Status(LitTile&, Progress&)>& write)
+{
+    const std::string& path = options.input;
+    refuseSameFile(path, options.output.path);
+    Result<DemInfo> info = describeDem(path, options.read);
+    if (!info)
+        return info.error();
+    if (Status writable = probe(options.output); !writable)
+        return writable;
+    for (const std::string& note : info->notes)
+        warn(path + ": " + note);
+
+    Result<Gpu> gpu = openGpu();
+    if (!gpu)
+        return gpu.error();
+    LitTile lit;
+    lit.gpu = std::move(*gpu);
+    if (Status fits = checkFits(lit.gpu, info->window.width, info->window.height, options.settings);
+        !fits)
+        return Error{fits.error().code, path + ": " + fits.error().message};
+
+    Progress progress(options.output.quiet);
+    progress.reach(0.0);
+    DemReadOptions read = options.read;
+    read.progress = [&progress](double fraction)
+    {
+        progress.reach(readEnd * fraction);
+        return true;
+    };
+    Result<DemFile> dem = readDem(path, read);
+    if (!dem)
+        return dem.error();
+    lit.dem = std::move(*dem);
+    if (Status computed = compute(lit, options, sky, definition, progress); !computed)
+        return Error{computed.error().code, path + ": " + computed.error().message};
+    if (Status written = write(lit, progress); !written)
+        return written;
+    progress.reach(1.0);
+    // What only the heights could tell; the rest has been said.
+    for (std::size_t i = info->notes.size(); i < lit.dem.notes.size(); ++i)
+        warn(path + ": " + lit.dem.notes[i]);
+    if (!options.output.quiet)
+        summarise(mode, lit);
+    return Nothing{};
+}
+
+Status writeBands(const OutputOptions& output, const RasterFrame& frame,
+                  const std::vector<BandLabel>& labels, const Metadata& metadata,
+                  Progress& progress, const std::function<Raster<float>(int band)>& values)
+{
+    const DeferredSignals deferred;
+    Result<RasterWriter> writer =
+        RasterWriter::open(output.path, frame, labels, writeOptions(output, metadata));
+    if (!writer)
+        return writer.error();
+    const int count = static_cast<int>(labels.size());
+    for (int band = 1; band <= count; ++band)
+    {
+        if (Status written = writer->writeBand(band, values(band)); !written)
+            return written;
+        if (Status going = DeferredSignals::check(); !going)
+            return going;
+        progress.reach(computeEnd + (1.0 - computeEnd) * band / (count + 1));
+    }
+    return writer->finish();
+}
+
+} // namespace osgTerrainLight::tool

@@ -1,0 +1,179 @@
+#pragma once
+
+#include <osgTerrainLight/HorizonMap.h>
+#include <osgTerrainLight/LightingSettings.h>
+#include <osgTerrainLight/SkyLight.h>
+
+#include "core/Raster.h"
+#include "core/Result.h"
+#include "gpu/GpuCapabilities.h"
+#include "gpu/HeadlessContext.h"
+#include "io/DemReader.h"
+#include "io/RasterWriter.h"
+#include "scene/TileLighting.h"
+
+#include <CLI/CLI.hpp>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// What the modes of the tool share: options, messages, progress, the way from a DEM to light.
+namespace osgTerrainLight::tool
+{
+
+/// A mode: its command line, and what it does once that has been parsed. A mistake in the command
+/// line that shows only then is thrown as CLI::ParseError, like those that show while parsing.
+struct Mode
+{
+    CLI::App* app = nullptr;
+    std::function<Status()> run;
+};
+
+Mode addHorizon(CLI::App& tool);
+Mode addSvf(CLI::App& tool);
+Mode addShadow(CLI::App& tool);
+Mode addShade(CLI::App& tool);
+Mode addRender(CLI::App& tool);
+Mode addInfo(CLI::App& tool);
+Mode addGenerate(CLI::App& tool);
+
+using Metadata = std::vector<std::pair<std::string, std::string>>;
+
+/// Shortest of up to 10 significant digits.
+std::string text(double value);
+
+std::string text(const Rgb& colour);
+
+/// "terrainlight: …" on stderr.
+void complain(const std::string& sentence);
+void warn(const std::string& sentence);
+
+/// An option of numbers separated by commas, as many as there are names. Each name is one of
+/// ParameterRange, which it is checked against.
+CLI::Option* addNumbers(CLI::App& app, const std::string& option, const std::string& typeName,
+                        const std::vector<std::string>& names, const std::string& help,
+                        std::function<void(const std::vector<double>&)> set);
+/// The same for names that the range table does not have.
+struct Limits
+{
+    std::string name;
+    double minimum, maximum;
+    bool whole = false;
+
+    std::string complaint(double value) const;
+};
+CLI::Option* addLimitedNumbers(CLI::App& app, const std::string& option,
+                               const std::string& typeName, const std::vector<Limits>& limits,
+                               const std::string& help,
+                               std::function<void(const std::vector<double>&)> set);
+
+/// --size W[,H].
+void addSize(CLI::App& app, int& width, int& height, const std::string& help);
+void addConfig(CLI::App& app);
+void addQuiet(CLI::App& app, bool& quiet);
+void addSettings(CLI::App& app, LightingSettings& settings, bool azimuths = true);
+void addExposure(CLI::App& app, LightingSettings& settings);
+void addSun(CLI::App& app, SkyLight& sky);
+void addSunRadius(CLI::App& app, SkyLight& sky);
+void addReadOptions(CLI::App& app, DemReadOptions& read);
+
+struct OutputOptions
+{
+    std::string path;
+    std::string format;
+    std::vector<std::string> creationOptions;
+    bool quiet = false;
+};
+void addOutputOptions(CLI::App& app, OutputOptions& output);
+
+/// True where OpenEXR writes it, not GDAL: by its format, else by its extension.
+bool isExr(const OutputOptions& output);
+
+/// A mistake in the command line where both are one file.
+void refuseSameFile(const std::string& input, const std::string& output);
+
+/// What the modes that turn a DEM into a raster have in common.
+struct RasterOptions
+{
+    std::string input;
+    DemReadOptions read;
+    LightingSettings settings;
+    OutputOptions output;
+};
+/// azimuths: false where the mode computes none but the sun's.
+void addRasterOptions(CLI::App& app, RasterOptions& options, bool azimuths = true);
+
+/// GDAL's progress line, 0 … 1; never runs backwards. Ends an unfinished line when it goes.
+class Progress
+{
+public:
+    explicit Progress(bool quiet) : _quiet(quiet) {}
+    ~Progress();
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+    void reach(double fraction);
+
+private:
+    bool _quiet;
+    double _reached = -1.0;
+};
+
+/// While one lives, SIGINT and SIGTERM wait: a file being written is removed first. Then they act.
+class DeferredSignals
+{
+public:
+    DeferredSignals();
+    ~DeferredSignals();
+    DeferredSignals(const DeferredSignals&) = delete;
+    DeferredSignals& operator=(const DeferredSignals&) = delete;
+    /// An error where a signal waits.
+    static Status check();
+};
+
+struct Gpu
+{
+    std::unique_ptr<HeadlessContext> context;
+    GpuCapabilities capabilities;
+
+    osg::State& state() const { return context->state(); }
+    /// Waits for the GPU; an error where OpenGL has one, out of memory above all.
+    Status finish() const;
+};
+Result<Gpu> openGpu(int width = 16, int height = 16);
+
+/// An error where a raster is larger than the context's textures.
+Status checkFits(const Gpu& gpu, int width, int height, const LightingSettings& settings);
+
+/// A DEM and its light, computed.
+struct LitTile
+{
+    DemFile dem;
+    Gpu gpu;
+    osg::ref_ptr<TileLighting> lighting;
+    int azimuths = 0; ///< horizons computed per post, the sun's included
+    double seconds = 0.0;
+};
+
+/// Software, version, mode and settings.
+Metadata describe(const std::string& mode, const LightingSettings& settings, bool azimuths);
+void add(Metadata& metadata, const std::string& name, const std::string& value);
+void addSun(Metadata& metadata, const SkyLight& sky);
+
+/// Reads, computes, calls write, prints the summary. Before anything is read it makes sure that
+/// the output can be written.
+Status process(const std::string& mode, const RasterOptions& options, const SkyLight& sky,
+               SkyViewDefinition definition,
+               const std::function<Status(LitTile&, Progress&)>& write);
+
+/// Writes band after band from values(band), band = 1 …, called once each, in tile order.
+Status writeBands(const OutputOptions& output, const RasterFrame& frame,
+                  const std::vector<BandLabel>& labels, const Metadata& metadata,
+                  Progress& progress, const std::function<Raster<float>(int band)>& values);
+
+/// The writer's options for an output.
+RasterWriteOptions writeOptions(const OutputOptions& output, const Metadata& metadata);
+
+} // namespace osgTerrainLight::tool

@@ -1,0 +1,231 @@
+#include "Common.h"
+
+#include "core/AzimuthSet.h"
+#include "core/SyntheticTerrain.h"
+#include "gpu/Textures.h"
+#include "gpu/passes/HorizonPass.h"
+
+#include <cpl_conv.h>
+#include <cpl_string.h>
+#include <gdal.h>
+#include <osg/GL>
+#include <osg/Version>
+
+#include <algorithm>
+#include <chrono>
+#include <iostream>
+#include <limits>
+
+namespace osgTerrainLight::tool
+{
+namespace
+{
+
+struct Options
+{
+    std::string input;
+    DemReadOptions read;
+    LightingSettings settings;
+    bool rate = false;
+};
+
+void line(const std::string& name, const std::string& value)
+{
+    std::cout << CPLSPrintf("%-18s ", (name + ":").c_str()) << value << "\n";
+}
+
+std::string mebibytes(double bytes)
+{
+    return CPLSPrintf("%.2f MiB", bytes / (1024.0 * 1024.0));
+}
+
+std::string size(int width, int height)
+{
+    return std::to_string(width) + " x " + std::to_string(height);
+}
+
+void printGpu(const Gpu& gpu)
+{
+    const GpuCapabilities& found = gpu.capabilities;
+    line("OpenGL vendor", found.vendor);
+    line("OpenGL renderer", found.renderer + (found.isSoftware() ? " (software)" : " (hardware)"));
+    line("OpenGL version", found.version);
+    line("Platform", gpu.context->platform());
+    line("Largest texture", size(found.maxTextureSize, found.maxTextureSize) + ", " +
+                                std::to_string(found.maxArrayLayers) + " layers");
+}
+
+/// What the textures of one tile take; sky and sun on.
+void printMemory(int width, int height, const LightingSettings& settings)
+{
+    const double posts = double(width) * height;
+    const int frame = HorizonPass::frame(HorizonScheme::of(settings.quality));
+    const double heights = 4.0 * (double(width + 2 * frame) * (height + 2 * frame) + height);
+    const double map = 2.0 * posts * settings.azimuths;
+    const double working = 4.0 * (double(settings.azimuths) * height + 1.0);
+    const double sun = 2.0 * posts + 4.0 * (height + 1.0);
+    const double skyView = 4.0 * posts;
+    const double shading = 8.0 * posts;
+    std::cout << "\nGraphics memory for " << size(width, height) << " posts, " << settings.azimuths
+              << " azimuths, quality " << toString(settings.quality) << "\n";
+    line("Heights", mebibytes(heights));
+    line("Horizon map", mebibytes(map));
+    line("Working space", mebibytes(working));
+    line("Sky view", mebibytes(skyView));
+    line("Sun's horizon", mebibytes(sun));
+    line("Shading", mebibytes(shading));
+    line("All", mebibytes(heights + map + working + skyView + sun + shading));
+}
+
+void printRaster(const std::string& path, const DemInfo& info)
+{
+    std::cout << "\n";
+    line("Raster", path);
+    line("Format", info.driver + ", " + info.dataType + ", " + std::to_string(info.bandCount) +
+                       (info.bandCount == 1 ? " band" : " bands"));
+    line("Size", size(info.rasterWidth, info.rasterHeight));
+    if (info.window.width != info.rasterWidth || info.window.height != info.rasterHeight)
+        line("Window", size(info.window.width, info.window.height) + " at " +
+                           std::to_string(info.window.column) + ", " +
+                           std::to_string(info.window.row));
+    line("CRS", info.crsName.empty() ? "unknown"
+                                     : info.crsName + (info.geographic ? " (geographic)" : ""));
+    line("Spacing", text(info.eastSpacing) + " m east, " + text(info.northSpacing) +
+                        " m north, in the middle");
+    line("Height unit", info.heightUnit.empty() ? "not said: metres" : info.heightUnit);
+    if (info.scale != 1.0 || info.offset != 0.0)
+        line("Stored as", "height = stored * " + text(info.scale) + " + " + text(info.offset));
+    line("Nodata", info.noData ? text(*info.noData) : "none");
+    for (const std::string& note : info.notes)
+        line("Note", note);
+}
+
+void printHeights(const DemFile& dem, std::size_t notesPrinted)
+{
+    const DemTile& tile = dem.tile;
+    double lowest = std::numeric_limits<double>::infinity();
+    double highest = -lowest;
+    for (std::size_t i = 0; i < tile.postCount(); ++i)
+        if (tile.validity()[i])
+        {
+            const double height = tile.heightOrigin + static_cast<double>(tile.heights()[i]);
+            lowest = std::min(lowest, height);
+            highest = std::max(highest, height);
+        }
+    line("Heights", text(lowest) + " ... " + text(highest) + " m");
+    line("Void posts", std::to_string(tile.postCount() - tile.validCount()) + " of " +
+                           std::to_string(tile.postCount()));
+    for (std::size_t i = notesPrinted; i < dem.notes.size(); ++i)
+        line("Note", dem.notes[i]);
+}
+
+/// Runs the horizons alone, at each quality: a warm-up, then the best of three.
+Status printRates(const Gpu& gpu, const DemTile& tile, LightingSettings settings)
+{
+    std::cout << "\nHorizons of " << size(tile.width(), tile.height()) << " posts, "
+              << settings.azimuths << " azimuths, best of 3 runs\n"
+              << "quality   milliseconds   million pixel-azimuths/s   texture MiB\n";
+    const AzimuthSet azimuths(settings.azimuths);
+    std::vector<MapDirection> directions;
+    for (int index = 0; index < azimuths.count(); ++index)
+        directions.push_back(azimuths.direction(index));
+    for (const auto quality : {HorizonQuality::Draft, HorizonQuality::Normal, HorizonQuality::Best})
+    {
+        settings.quality = quality;
+        if (Status fits = checkFits(gpu, tile.width(), tile.height(), settings); !fits)
+            return fits;
+        const HorizonScheme scheme = HorizonScheme::of(quality);
+        const auto heights = createHeightTexture(tile, HorizonPass::frame(scheme));
+        const osg::ref_ptr<HorizonPass> pass =
+            new HorizonPass(tile, heights, scheme, azimuths.count());
+        pass->setDirections(directions);
+        double best = std::numeric_limits<double>::infinity();
+        for (int run = 0; run < 4; ++run)
+        {
+            const auto start = std::chrono::steady_clock::now();
+            if (Status done = pass->dispatch(gpu.state()); !done)
+                return done;
+            if (Status done = gpu.finish(); !done)
+                return done;
+            const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+            if (run > 0)
+                best = std::min(best, took.count());
+        }
+        const double bytes = static_cast<double>(
+            textureBytes(*heights) + textureBytes(*pass->horizon()) + pass->workingBytes());
+        std::cout << CPLSPrintf("%-9s %12.1f   %24.1f   %11.2f", toString(quality), best * 1e3,
+                                static_cast<double>(tile.postCount()) * azimuths.count() / best *
+                                    1e-6,
+                                bytes / (1024.0 * 1024.0))
+                  << std::endl;
+        pass->releaseGLObjects(&gpu.state());
+        heights->releaseGLObjects(&gpu.state());
+    }
+    return Nothing{};
+}
+
+Status run(const Options& options)
+{
+    line("terrainlight", OSGTERRAINLIGHT_VERSION);
+    line("GDAL", GDALVersionInfo("RELEASE_NAME"));
+    line("OpenSceneGraph", osgGetVersion());
+    const Result<Gpu> gpu = openGpu();
+    if (gpu)
+        printGpu(*gpu);
+
+    DemTile tile;
+    if (!options.input.empty())
+    {
+        const Result<DemInfo> info = describeDem(options.input, options.read);
+        if (!info)
+            return info.error();
+        printRaster(options.input, *info);
+        printMemory(info->window.width, info->window.height, options.settings);
+        std::cout << std::endl;
+        Result<DemFile> dem = readDem(options.input, options.read);
+        if (!dem)
+            return dem.error();
+        printHeights(*dem, info->notes.size());
+        tile = std::move(dem->tile);
+    }
+    else
+        printMemory(1024, 1024, options.settings);
+    std::cout << std::flush;
+    if (!gpu)
+        return gpu.error();
+    if (!options.rate)
+        return Nothing{};
+    if (options.input.empty())
+    {
+        Result<DemTile> fractal = generateTerrain(TerrainKind::Fractal, 1024, 1024, 30.0, 1);
+        if (!fractal)
+            return fractal.error();
+        tile = std::move(*fractal);
+    }
+    return printRates(*gpu, tile, options.settings);
+}
+
+} // namespace
+
+Mode addInfo(CLI::App& tool)
+{
+    CLI::App* app = tool.add_subcommand(
+        "info", "What there is: OpenGL, GDAL, a raster. Also what the settings cost in graphics "
+                "memory, and with --rate how fast horizons come");
+    app->footer("Examples:\n"
+                "  terrainlight info\n"
+                "  terrainlight info dem.tif --azimuths 64\n"
+                "  terrainlight info --rate\n"
+                "  terrainlight info dem.tif -srcwin 0 0 1024 1024 --rate");
+    const auto options = std::make_shared<Options>();
+    app->add_option("INPUT", options->input, "DEM: any raster that GDAL reads")->type_name("");
+    addSettings(*app, options->settings);
+    addReadOptions(*app, options->read);
+    app->add_flag("--rate", options->rate,
+                  "Times horizons at the three qualities, on INPUT or else a generated 1024 x 1024 "
+                  "fractal");
+    addConfig(*app);
+    return {app, [options] { return run(*options); }};
+}
+
+} // namespace osgTerrainLight::tool

@@ -1,0 +1,277 @@
+#include "Common.h"
+
+#include <cpl_conv.h>
+#include <cpl_string.h>
+#include <gdal.h>
+#include <osg/ComputeBoundsVisitor>
+#include <osgDB/DatabasePager>
+#include <osgDB/ReadFile>
+#include <osgDB/Registry>
+#include <osgViewer/Viewer>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <dlfcn.h>
+#include <optional>
+
+namespace osgTerrainLight::tool
+{
+namespace
+{
+
+constexpr double radiansPerDegree = 3.14159265358979323846 / 180.0;
+constexpr double fieldOfView = 30.0; // vertical [degrees]
+
+struct Options
+{
+    std::string scene;
+    OutputOptions output;
+    int width = 1024, height = 768;
+    SkyLight sky;
+    LightingSettings settings;
+    std::string light = "both";
+    // The camera, seen from the middle of the scene: from the south, looking north and 35° down.
+    double azimuth = 180.0, elevation = 35.0, distance = 1.0;
+    std::optional<osg::Vec3d> eye, center;
+    bool top = false;
+    int frames = 100;
+};
+
+/// The folder of our library holds that of its plugin, in the build tree as where it is installed.
+void findOwnPlugin()
+{
+    Dl_info library;
+    if (dladdr(reinterpret_cast<const void*>(&ParameterRange::all), &library) == 0)
+        return;
+    osgDB::Registry::instance()->getLibraryFilePathList().push_front(CPLGetPath(library.dli_fname));
+}
+
+/// DEMs and maps go to our reader, which is asked for by a second extension; anything else to its
+/// own.
+std::string readableName(const std::string& scene)
+{
+    const std::string extension = CPLGetExtension(scene.c_str());
+    if (EQUAL(extension.c_str(), "terrainlight"))
+        return scene;
+    GDALAllRegister();
+    const bool ours =
+        EQUAL(extension.c_str(), "earth") || GDALIdentifyDriver(scene.c_str(), nullptr);
+    return ours ? scene + ".terrainlight" : scene;
+}
+
+Result<osg::ref_ptr<osg::Node>> load(const Options& options)
+{
+    findOwnPlugin();
+    const std::string text_ = "sun_azimuth=" + text(options.sky.sunAzimuth) +
+                              " sun_elevation=" + text(options.sky.sunElevation) +
+                              " azimuths=" + std::to_string(options.settings.azimuths) +
+                              " quality=" + toString(options.settings.quality) +
+                              " exposure=" + text(options.settings.exposure) +
+                              " light=" + options.light;
+    const osg::ref_ptr<osgDB::Options> reading = new osgDB::Options(text_);
+    const std::string name = readableName(options.scene);
+    osgDB::ReaderWriter::ReadResult result = osgDB::Registry::instance()->readNode(name, reading);
+    if (result.validNode())
+        return osg::ref_ptr<osg::Node>(result.getNode());
+    return Error{ErrorCode::Invalid,
+                 options.scene + ": " +
+                     (result.message().empty() ? "OpenSceneGraph cannot read it as a scene (" +
+                                                     result.statusMessage() + ")"
+                                               : result.message())};
+}
+
+std::array<osg::Vec3d, 8> corners(const osg::BoundingBox& box)
+{
+    std::array<osg::Vec3d, 8> result;
+    for (unsigned i = 0; i < 8; ++i)
+        result[i] = box.corner(i);
+    return result;
+}
+
+/// Sets a camera from which the box fills the picture.
+void placeCamera(osg::Camera& camera, const Options& options, const osg::BoundingBox& box)
+{
+    const double aspect = double(options.width) / options.height;
+    const osg::Vec3d middle = box.center();
+    if (options.top)
+    {
+        const double halfEast = 0.5 * static_cast<double>(box.xMax() - box.xMin());
+        const double halfNorth = 0.5 * static_cast<double>(box.yMax() - box.yMin());
+        const double half = options.distance * std::max(halfNorth, halfEast / aspect);
+        const double above = std::max(1.0, double(box.radius()));
+        camera.setProjectionMatrixAsOrtho(-half * aspect, half * aspect, -half, half, 0.1 * above,
+                                          10.0 * above);
+        camera.setViewMatrixAsLookAt(middle + osg::Vec3d(0.0, 0.0, 3.0 * above), middle,
+                                     osg::Vec3d(0.0, 1.0, 0.0));
+        return;
+    }
+
+    const double azimuth = options.azimuth * radiansPerDegree;
+    const double elevation = options.elevation * radiansPerDegree;
+    const osg::Vec3d towardsEye(std::sin(azimuth) * std::cos(elevation),
+                                std::cos(azimuth) * std::cos(elevation), std::sin(elevation));
+    // Up in the picture stays defined where the camera looks straight down.
+    const osg::Vec3d up(-std::sin(azimuth) * std::sin(elevation),
+                        -std::cos(azimuth) * std::sin(elevation), std::cos(elevation));
+    const osg::Vec3d right = up ^ towardsEye;
+    const double tangent = std::tan(0.5 * fieldOfView * radiansPerDegree);
+    double distance = 0.0;
+    for (const osg::Vec3d& corner : corners(box))
+    {
+        const osg::Vec3d offset = corner - middle;
+        distance =
+            std::max({distance, offset * towardsEye + std::abs(offset * right) / (tangent * aspect),
+                      offset * towardsEye + std::abs(offset * up) / tangent});
+    }
+    distance = std::max(distance, 1e-3) * options.distance;
+    camera.setProjectionMatrixAsPerspective(fieldOfView, aspect, 0.01 * distance, 10.0 * distance);
+    const osg::Vec3d center = options.center.value_or(middle);
+    if (options.eye)
+        camera.setViewMatrixAsLookAt(*options.eye, center, osg::Vec3d(0.0, 0.0, 1.0));
+    else
+        camera.setViewMatrixAsLookAt(center + towardsEye * distance, center, up);
+}
+
+std::vector<std::uint8_t> readPixels(int width, int height)
+{
+    std::vector<std::uint8_t> pixels(static_cast<std::size_t>(width) *
+                                     static_cast<std::size_t>(height) * 3);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, pixels.data());
+    return pixels;
+}
+
+/// Draws until a frame looks like the one before it and nothing is being loaded: light arrives
+/// some frames after the terrain.
+std::vector<std::uint8_t> draw(osgViewer::Viewer& viewer, const Options& options,
+                               Progress& progress)
+{
+    constexpr int fewest = 4;
+    std::vector<std::uint8_t> pixels;
+    for (int frame = 0; frame < options.frames; ++frame)
+    {
+        viewer.frame(frame / 60.0);
+        glFinish();
+        std::vector<std::uint8_t> next = readPixels(options.width, options.height);
+        const bool same = next == pixels;
+        pixels = std::move(next);
+        progress.reach(0.2 + 0.7 * frame / options.frames);
+        if (frame + 1 >= fewest && same && !viewer.getDatabasePager()->requiresUpdateSceneGraph() &&
+            !viewer.getDatabasePager()->getRequestsInProgress())
+            break;
+    }
+    return pixels;
+}
+
+Status run(const Options& options)
+{
+    refuseSameFile(options.scene, options.output.path);
+    const Result<Gpu> gpu = openGpu(options.width, options.height);
+    if (!gpu)
+        return gpu.error();
+    if (options.width > gpu->capabilities.maxTextureSize ||
+        options.height > gpu->capabilities.maxTextureSize)
+        return Error{ErrorCode::NotSupported, "a picture of " + std::to_string(options.width) +
+                                                  " x " + std::to_string(options.height) + "; '" +
+                                                  gpu->capabilities.renderer + "' draws " +
+                                                  std::to_string(gpu->capabilities.maxTextureSize) +
+                                                  " a side at most"};
+    Progress progress(options.output.quiet);
+    progress.reach(0.0);
+    Result<osg::ref_ptr<osg::Node>> scene = load(options);
+    if (!scene)
+        return scene.error();
+    osg::ComputeBoundsVisitor bounds;
+    (*scene)->accept(bounds);
+    if (!bounds.getBoundingBox().valid())
+        return Error{ErrorCode::Invalid, options.scene + ": nothing in it has an extent"};
+    progress.reach(0.2);
+
+    osgViewer::Viewer viewer;
+    viewer.setThreadingModel(osgViewer::ViewerBase::SingleThreaded);
+    viewer.setReleaseContextAtEndOfFrameHint(false);
+    osg::Camera& camera = *viewer.getCamera();
+    camera.setGraphicsContext(gpu->context->window());
+    camera.setViewport(0, 0, options.width, options.height);
+    camera.setClearColor(
+        osg::Vec4(0.62f, 0.70f, 0.80f, 1.0f)); // haze, not sky: nothing is lit by it
+    viewer.setSceneData(*scene);
+    placeCamera(camera, options, bounds.getBoundingBox());
+    viewer.realize();
+    const std::vector<std::uint8_t> pixels = draw(viewer, options, progress);
+    if (Status done = gpu->finish(); !done)
+        return done;
+    viewer.setSceneData(nullptr);
+
+    RasterFrame frame;
+    frame.width = options.width;
+    frame.height = options.height;
+    const DeferredSignals deferred;
+    if (Status written =
+            writeRgb8(options.output.path, frame, pixels, writeOptions(options.output, {}));
+        !written)
+        return written;
+    progress.reach(1.0);
+    return Nothing{};
+}
+
+} // namespace
+
+Mode addRender(CLI::App& tool)
+{
+    CLI::App* app = tool.add_subcommand(
+        "render", "Headless picture of any scene that osgviewer loads. A DEM or .earth map comes "
+                  "lit. Without camera options: from the south, 35 degrees down");
+    app->footer("Examples:\n"
+                "  terrainlight render dem.tif picture.png --sun 300,25\n"
+                "  terrainlight render dem.tif map.png --top --size 800,800\n"
+                "  terrainlight render map.earth near.png --camera 225,20,0.5 --exposure 0.5\n"
+                "  terrainlight render scene.osgt scene.png --size 640,480");
+    const auto options = std::make_shared<Options>();
+    app->add_option("SCENE", options->scene, "Scene, map or DEM")->required()->type_name("");
+    app->add_option("OUTPUT", options->output.path, "Picture to write: PNG, JPEG ...")
+        ->required()
+        ->type_name("");
+    addSize(*app, options->width, options->height,
+            "Pixels of the picture; one number: a square; default 1024,768");
+    addLimitedNumbers(
+        *app, "--camera", "AZ,EL,DISTANCE",
+        {{"camera azimuth", -360.0, 720.0, false},
+         {"camera elevation", -90.0, 90.0, false},
+         {"camera distance", 0.001, 1000.0, false}},
+        "Where the camera stands, seen from the middle of the scene: degrees clockwise from "
+        "north and above the horizontal; at distance 1 the scene fills the picture; default "
+        "180,35,1",
+        [options](const auto& v)
+        {
+            options->azimuth = v[0];
+            options->elevation = v[1];
+            options->distance = v[2];
+        });
+    const auto place =
+        [&](const std::string& name, const std::string& help, std::optional<osg::Vec3d>& target)
+    {
+        const Limits limit = {name.substr(2), -1e9, 1e9, false};
+        return addLimitedNumbers(*app, name, "X,Y,Z", {limit, limit, limit}, help,
+                                 [&target](const auto& v)
+                                 { target = osg::Vec3d(v[0], v[1], v[2]); });
+    };
+    CLI::Option* eye = place("--eye", "Camera's place in scene coordinates", options->eye);
+    place("--center", "Place the camera looks at, in scene coordinates", options->center);
+    app->add_flag("--top", options->top, "Straight down, north up, without perspective")
+        ->excludes(eye);
+    addSun(*app, options->sky);
+    app->add_option("--light", options->light, "What lights the terrain; default both")
+        ->check(CLI::IsMember({"off", "sky", "sun", "both"}))
+        ->type_name("WHAT");
+    addExposure(*app, options->settings);
+    addSettings(*app, options->settings);
+    addLimitedNumbers(*app, "--frames", "N", {{"frames", 1.0, 100000.0, true}},
+                      "Frames drawn at most while the picture still changes; default 100",
+                      [options](const auto& v) { options->frames = static_cast<int>(v[0]); });
+    addOutputOptions(*app, options->output);
+    return {app, [options] { return run(*options); }};
+}
+
+} // namespace osgTerrainLight::tool

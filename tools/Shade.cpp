@@ -1,0 +1,181 @@
+#include "Common.h"
+
+#include "io/ExrFile.h"
+
+#include <cpl_conv.h>
+#include <cpl_string.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace osgTerrainLight::tool
+{
+namespace
+{
+
+struct Options : RasterOptions
+{
+    SkyLight sky;
+};
+
+bool isPicture(const OutputOptions& output)
+{
+    const std::string kind =
+        output.format.empty() ? CPLGetExtension(output.path.c_str()) : output.format;
+    for (const char* picture : {"png", "jpg", "jpeg", "webp"})
+        if (EQUAL(kind.c_str(), picture))
+            return true;
+    return false;
+}
+
+/// 8 bits of a linear value in 0 … 1, encoded as IEC 61966-2-1 has it.
+std::uint8_t srgb8(double linear)
+{
+    const double value = std::clamp(linear, 0.0, 1.0);
+    const double encoded =
+        value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1.0 / 2.4) - 0.055;
+    return static_cast<std::uint8_t>(std::lround(255.0 * encoded));
+}
+
+Status writeFloats(const Options& options, const Metadata& metadata, const LitTile& lit,
+                   const Raster<osg::Vec4f>& shading, Progress& progress)
+{
+    const auto band = [&](int number)
+    {
+        const auto channel = static_cast<unsigned>(number - 1);
+        Raster<float> values(shading.width(), shading.height());
+        for (std::size_t i = 0; i < values.size(); ++i)
+            values.values()[i] = lit.dem.tile.validity()[i]
+                                     ? shading.values()[i][channel]
+                                     : std::numeric_limits<float>::quiet_NaN();
+        return values;
+    };
+    return writeBands(options.output, lit.dem.frame,
+                      {{"red: irradiance / pi", ""},
+                       {"green: irradiance / pi", ""},
+                       {"blue: irradiance / pi", ""},
+                       {"visible fraction of the sun", ""}},
+                      metadata, progress, band);
+}
+
+Status writeExrFile(const Options& options, const Metadata& metadata, const LitTile& lit,
+                    const Raster<osg::Vec4f>& shading)
+{
+    if (!options.output.creationOptions.empty())
+        return Error{ErrorCode::NotSupported,
+                     options.output.path + ": OpenEXR files have no creation options (-co)"};
+    ExrImage image;
+    image.width = shading.width();
+    image.height = shading.height();
+    image.text.insert(metadata.begin(), metadata.end());
+    if (!lit.dem.frame.crs.empty())
+        image.text["TERRAINLIGHT_CRS"] = lit.dem.frame.crs;
+    for (unsigned c = 0; c < 4; ++c)
+    {
+        ExrChannel channel = {std::string(1, "RGBA"[c]), {}};
+        for (int row = image.height - 1; row >= 0; --row)
+            for (int column = 0; column < image.width; ++column)
+                channel.values.push_back(shading.at(column, row)[c]);
+        image.channels.push_back(std::move(channel));
+    }
+    const DeferredSignals deferred;
+    return writeExr(options.output.path, image);
+}
+
+/// Void is transparent; where nothing is void there is no alpha, and in a JPEG void is black.
+Status writePicture(const Options& options, const Metadata& metadata, const LitTile& lit,
+                    const Raster<osg::Vec4f>& shading)
+{
+    const std::vector<std::uint8_t>& valid = lit.dem.tile.validity();
+    const bool hasAlpha = lit.dem.tile.validCount() < valid.size() &&
+                          !EQUAL(options.output.format.c_str(), "JPEG") &&
+                          !EQUAL(CPLGetExtension(options.output.path.c_str()), "jpg") &&
+                          !EQUAL(CPLGetExtension(options.output.path.c_str()), "jpeg");
+    const double gain = std::exp2(options.settings.exposure);
+    std::vector<std::uint8_t> pixels;
+    pixels.reserve(valid.size() * 4);
+    for (std::size_t i = 0; i < valid.size(); ++i)
+    {
+        for (unsigned c = 0; c < 3; ++c)
+            pixels.push_back(srgb8(gain * static_cast<double>(shading.values()[i][c])));
+        if (hasAlpha)
+            pixels.push_back(valid[i] ? 255 : 0);
+    }
+    const DeferredSignals deferred;
+    return writeRgb8(options.output.path, lit.dem.frame, pixels,
+                     writeOptions(options.output, metadata));
+}
+
+Status run(const Options& options)
+{
+    Metadata metadata = describe("shade", options.settings, options.sky.skyEnabled);
+    add(metadata, "SKY", options.sky.skyEnabled ? "uniform" : "none");
+    if (options.sky.skyEnabled)
+        add(metadata, "SKY_RADIANCE", text(options.sky.skyRadiance));
+    add(metadata, "SUN", options.sky.sunEnabled ? "yes" : "no");
+    if (options.sky.sunEnabled)
+    {
+        addSun(metadata, options.sky);
+        add(metadata, "SUN_IRRADIANCE", text(options.sky.sunIrradiance));
+    }
+    if (isPicture(options.output))
+        add(metadata, "EXPOSURE", text(options.settings.exposure));
+
+    const auto write = [&](LitTile& lit, Progress& progress)
+    {
+        const Raster<osg::Vec4f> shading = lit.lighting->readShading(lit.gpu.state());
+        if (isExr(options.output))
+            return writeExrFile(options, metadata, lit, shading);
+        if (isPicture(options.output))
+            return writePicture(options, metadata, lit, shading);
+        return writeFloats(options, metadata, lit, shading, progress);
+    };
+    return process("shade", options, options.sky, SkyViewDefinition::Surface, write);
+}
+
+} // namespace
+
+Mode addShade(CLI::App& tool)
+{
+    CLI::App* app = tool.add_subcommand(
+        "shade",
+        "Light on the terrain, as floats or as a picture. Red, green, blue = irradiance / pi "
+        "(times albedo it is the colour), "
+        "fourth band = visible fraction of the sun. PNG, JPEG, WebP: an exposed sRGB picture. "
+        "EXR: R, G, B, A, north first. Else: 4 float bands");
+    app->footer("Examples:\n"
+                "  terrainlight shade dem.tif shade.tif --sun 315,35\n"
+                "  terrainlight shade dem.tif shade.png --sun 315,35 --exposure 0.5\n"
+                "  terrainlight shade dem.tif sky.exr --no-sun --sky-radiance 1,1,1\n"
+                "  terrainlight shade dem.tif sun.tif --sun 120,10 --sky none "
+                "-co COMPRESS=DEFLATE");
+    const auto options = std::make_shared<Options>();
+    addRasterOptions(*app, *options);
+    addSun(*app, options->sky);
+    addSunRadius(*app, options->sky);
+    app->add_flag_function(
+        "--no-sun", [options](std::int64_t) { options->sky.sunEnabled = false; }, "Sky light only");
+    app->add_option_function<std::string>(
+           "--sky",
+           [options](const std::string& kind) { options->sky.skyEnabled = kind != "none"; },
+           "Light of the sky; default uniform")
+        ->check(CLI::IsMember({"uniform", "none"}))
+        ->type_name("KIND");
+    const auto colour = [&](const std::string& name, const std::string& help, Rgb& target)
+    {
+        addNumbers(*app, "--" + name, "R,G,B", {name, name, name},
+                   help + "; default " + text(target),
+                   [&target](const auto& v)
+                   {
+                       for (std::size_t c = 0; c < 3; ++c)
+                           target[c] = static_cast<float>(v[c]);
+                   });
+    };
+    colour("sun-irradiance", "On a surface that faces the sun", options->sky.sunIrradiance);
+    colour("sky-radiance", "Of the uniform sky", options->sky.skyRadiance);
+    addExposure(*app, options->settings);
+    return {app, [options] { return run(*options); }};
+}
+
+} // namespace osgTerrainLight::tool

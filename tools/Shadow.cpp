@@ -1,0 +1,58 @@
+#include "Common.h"
+
+#include <limits>
+
+namespace osgTerrainLight::tool
+{
+namespace
+{
+
+struct Options : RasterOptions
+{
+    SkyLight sky;
+};
+
+Status run(const Options& options)
+{
+    Metadata metadata = describe("shadow", options.settings, false);
+    addSun(metadata, options.sky);
+    const BandLabel label = {"visible fraction of the sun at azimuth " +
+                                 text(options.sky.sunAzimuth) + ", elevation " +
+                                 text(options.sky.sunElevation) + " degrees",
+                             ""};
+    const auto values = [](LitTile& lit)
+    {
+        const Raster<osg::Vec4f> shading = lit.lighting->readShading(lit.gpu.state());
+        Raster<float> visible(shading.width(), shading.height());
+        for (std::size_t i = 0; i < visible.size(); ++i)
+            visible.values()[i] = lit.dem.tile.validity()[i]
+                                      ? shading.values()[i].w()
+                                      : std::numeric_limits<float>::quiet_NaN();
+        return visible;
+    };
+    const auto write = [&](LitTile& lit, Progress& progress)
+    {
+        return writeBands(options.output, lit.dem.frame, {label}, metadata, progress,
+                          [&](int) { return values(lit); });
+    };
+    return process("shadow", options, options.sky, SkyViewDefinition::Surface, write);
+}
+
+} // namespace
+
+Mode addShadow(CLI::App& tool)
+{
+    CLI::App* app =
+        tool.add_subcommand("shadow", "Visible fraction of the sun's disc, from 0 in shadow to 1");
+    app->footer("Examples:\n"
+                "  terrainlight shadow dem.tif shadow.tif --sun 225,20\n"
+                "  terrainlight shadow dem.tif soft.tif --sun 225,20 --sun-radius 2");
+    const auto options = std::make_shared<Options>();
+    options->sky.skyEnabled = false;
+    addRasterOptions(*app, *options, false);
+    addSun(*app, options->sky);
+    addSunRadius(*app, options->sky);
+    return {app, [options] { return run(*options); }};
+}
+
+} // namespace osgTerrainLight::tool
