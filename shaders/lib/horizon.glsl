@@ -16,111 +16,150 @@ struct NearSlopes
     Slope slopes[8];
 };
 
-// Highest value of g(s) = a/s + b + c*s inside (s1, s2), 0 < s1 < s2, where g is the slope from the
-// receiver to a surface that is quadratic along the ray, g1 and g2 its values at the ends and c its
-// curvature (half the second derivative). Not above both ends unless the surface is convex upwards
-// there: then the result is g at the inner maximum, else NO_HORIZON.
-Slope insideMaximum(real s1, Slope g1, real s2, Slope g2, real c)
+// Where two neighbouring crossings stand on a ray, 0 < s1 < s2, in the products that insideMaximum
+// needs: the same for all receivers of a call.
+struct Interval
 {
-    real a = s1 * s2 * ((g1 - g2) / (s2 - s1) + c);
-    Slope b = g1 - a / s1 - c * s1;
-    real ac = a * c;
-    real root = sqrt(max(ac, real(0.0)));
-    // s* = sqrt(a/c) lies inside where s1*|c| < sqrt(ac) < s2*|c|.
-    bool inside = c < real(0.0) && a < real(0.0) && root > -c * s1 && root < -c * s2;
-    return inside ? b - real(2.0) * root : NO_HORIZON;
+    real near;        // s1
+    real far;         // s2
+    real inverseNear; // 1 / s1
+    real product;     // s1 * s2
+    real steepness;   // s1 * s2 / (s2 - s1)
+};
+
+Interval intervalBetween(real s1, real s2)
+{
+    Interval interval;
+    interval.near = s1;
+    interval.far = s2;
+    interval.inverseNear = real(1.0) / s1;
+    interval.product = s1 * s2;
+    interval.steepness = s1 * s2 / (s2 - s1);
+    return interval;
 }
 
-// Horizon slope [m per step] of NEAR_POSTS receivers, over the first `reach` steps of their rays,
-// exact for the bilinear surface: every column and row crossing, and, where inside is true, the
-// maximum within each cell. first: texel of the first receiver; major and minor: unit steps; the
-// receivers are first + i*minor.
-NearSlopes nearHorizon(sampler2D heights, ivec2 first, ivec2 major, ivec2 minor, real tangent,
-                       int reach, bool inside)
+// Highest value of g(s) = a/s + b + c*s inside an interval, where g is the slope from the receiver to
+// a surface that is quadratic along the ray, g1 and g2 its values at the ends and c its curvature
+// (half the second derivative). NO_HORIZON where g has no inner maximum: a surface must be convex
+// upwards to stand above both ends.
+Slope insideMaximum(Interval interval, Slope g1, Slope g2, real c)
 {
-    NearSlopes best;
-    Length here[8];
-    Length before[11];  // column step - 1, from minor offset `base` on
-    Length current[11]; // column step
-    Slope last[8];      // slope at the previous crossing
-    ivec2 corner = first;
+    real a = interval.steepness * (g1 - g2) + interval.product * c;
+    Slope b = g1 - a * interval.inverseNear - c * interval.near;
+    real ac = a * c;
+    // The maximum, at s = sqrt(a/c), is b - 2*sqrt(a*c); inside where s1^2 < a/c < s2^2.
+    bool inside = c < real(0.0) && a < c * interval.near * interval.near &&
+                  a > c * interval.far * interval.far;
+    return inside ? b - real(2.0) * sqrt(max(ac, real(0.0))) : NO_HORIZON;
+}
+
+// The rays of a block of NEAR_POSTS receivers, which are neighbours along the minor axis.
+struct NearRays
+{
+    ivec2 first; // texel of the first receiver; the others are first + i*minor
+    ivec2 major; // unit steps
+    ivec2 minor;
+    real tangent;
+};
+
+struct NearScan
+{
+    Length here[8];    // heights of the receivers
+    Length before[11]; // heights of the last column, from minor offset `base` on
+    Slope last[8];     // slopes to the last column's crossings
+    Slope best[8];     // horizons so far
+    int base;          // whole minor offset at the last column
+};
+
+NearScan startScan(sampler2D heights, NearRays rays)
+{
+    NearScan scan;
     for (int i = 0; i < 11; ++i)
-        before[i] = postHeight(heights, corner + minor * i);
+        scan.before[i] = postHeight(heights, rays.first + rays.minor * i);
     for (int i = 0; i < 8; ++i)
     {
-        here[i] = before[i];
-        best.slopes[i] = NO_HORIZON;
-        last[i] = NO_HORIZON;
+        scan.here[i] = scan.before[i];
+        scan.last[i] = NO_HORIZON;
+        scan.best[i] = NO_HORIZON;
     }
+    scan.base = 0;
+    return scan;
+}
 
-    int base = 0; // whole minor offset at the previous column
-    real lastDistance = real(0.0);
-    for (int column = 1; column <= reach; ++column)
+// Goes on to `column`, the next one: the crossings of it and of a row before it and, where inside is
+// true, the maxima within the one or two cells between.
+NearScan scanColumn(sampler2D heights, NearRays rays, NearScan scan, int column, bool inside)
+{
+    real distance = real(column);
+    real offset = rays.tangent * distance;
+    int whole = int(floor(offset));
+    real weight = offset - real(whole);
+    ivec2 corner = rays.first + rays.major * column + rays.minor * scan.base;
+    Length current[12];
+    for (int i = 0; i < 12; ++i)
+        current[i] = postHeight(heights, corner + rays.minor * i);
+
+    bool crossesRow = whole > scan.base;
+    real lastDistance = real(column - 1);
+    real rowDistance = crossesRow ? real(whole) / rays.tangent : distance;
+    real share = rowDistance - lastDistance; // of the way between the columns
+    real inverseDistance = real(1.0) / distance;
+    real inverseRow = real(1.0) / rowDistance;
+    // A cell that the ray only grazes has no inside to speak of, and no interval to divide by.
+    bool firstCell = inside && column > 1 && rowDistance - lastDistance > real(1.0e-3);
+    bool secondCell = inside && crossesRow && distance - rowDistance > real(1.0e-3);
+    Interval beforeRow = intervalBetween(lastDistance, rowDistance);
+    Interval afterRow = intervalBetween(rowDistance, distance);
+
+    for (int i = 0; i < 8; ++i)
     {
-        real distance = real(column);
-        real offset = tangent * distance;
-        int whole = int(floor(offset));
-        real weight = offset - real(whole);
-        corner = first + major * column + minor * base;
-        for (int i = 0; i < 11; ++i)
-            current[i] = postHeight(heights, corner + minor * i);
-
-        bool crossesRow = whole > base;
-        real rowDistance = crossesRow ? real(whole) / tangent : distance;
-        real share = rowDistance - real(column - 1); // of the way between the columns
-        bool firstCell = rowDistance - lastDistance > real(1.0e-3);
-        bool secondCell = crossesRow && distance - rowDistance > real(1.0e-3);
-        real inverseDistance = real(1.0) / distance;
-        real inverseRow = real(1.0) / rowDistance;
-
-        for (int i = 0; i < 8; ++i)
+        Length nearSide = crossesRow ? current[i + 1] : current[i];
+        Length farSide = crossesRow ? current[i + 2] : current[i + 1];
+        Slope slope = (mix(nearSide, farSide, weight) - scan.here[i]) * inverseDistance;
+        Slope rowSlope =
+            (mix(scan.before[i + 1], current[i + 1], share) - scan.here[i]) * inverseRow;
+        Slope atRow = crossesRow ? rowSlope : slope;
+        Slope top = max(scan.best[i], max(slope, atRow));
+        if (inside)
         {
-            Slope previous = last[i];
-            Length height = crossesRow ? mix(current[i + 1], current[i + 2], weight)
-                                       : mix(current[i], current[i + 1], weight);
-            Slope slope = (height - here[i]) * inverseDistance;
-            Slope top = max(best.slopes[i], slope);
-            Slope atRow = slope;
-            if (crossesRow)
-            {
-                atRow = (mix(before[i + 1], current[i + 1], share) - here[i]) * inverseRow;
-                top = max(top, atRow);
-            }
-            if (inside)
-            {
-                Length twist = before[i] - current[i] - before[i + 1] + current[i + 1];
-                if (column == 1)
-                {
-                    // The receiver's own cell: g has no pole, so its inner end is the tangent there.
-                    if (abs(twist) < -VOID_LIMIT)
-                        top = max(top, current[i] - here[i] + tangent * (before[i + 1] - here[i]));
-                }
-                else if (firstCell && abs(twist) < -VOID_LIMIT)
-                    top = max(top, insideMaximum(lastDistance, previous, rowDistance, atRow,
-                                                 tangent * twist));
-                if (secondCell)
-                {
-                    twist = before[i + 1] - current[i + 1] - before[i + 2] + current[i + 2];
-                    if (abs(twist) < -VOID_LIMIT)
-                        top = max(top, insideMaximum(rowDistance, atRow, distance, slope,
-                                                     tangent * twist));
-                }
-            }
-            best.slopes[i] = top;
-            last[i] = slope;
-        }
+            Length twist = scan.before[i] - current[i] - scan.before[i + 1] + current[i + 1];
+            bool whole1 = abs(twist) < -VOID_LIMIT;
+            // The receiver's own cell: g has no pole, so its inner end is the tangent there.
+            Slope own = current[i] - scan.here[i] +
+                        rays.tangent * (scan.before[i + 1] - scan.here[i]);
+            top = column == 1 && whole1 ? max(top, own) : top;
+            Slope peak = insideMaximum(beforeRow, scan.last[i], atRow, rays.tangent * twist);
+            top = firstCell && whole1 ? max(top, peak) : top;
 
-        for (int i = 0; i < 10; ++i)
-            before[i] = crossesRow ? current[i + 1] : current[i];
-        before[10] = current[10]; // refilled below
-        if (crossesRow)
-            before[10] = postHeight(heights, corner + minor * 11);
-        else
-            before[10] = current[10];
-        base = whole;
-        lastDistance = distance;
+            twist = scan.before[i + 1] - current[i + 1] - scan.before[i + 2] + current[i + 2];
+            bool whole2 = abs(twist) < -VOID_LIMIT;
+            peak = insideMaximum(afterRow, atRow, slope, rays.tangent * twist);
+            top = secondCell && whole2 ? max(top, peak) : top;
+        }
+        scan.best[i] = top;
+        scan.last[i] = slope;
     }
-    return best;
+    for (int i = 0; i < 11; ++i)
+        scan.before[i] = crossesRow ? current[i + 1] : current[i];
+    scan.base = whole;
+    return scan;
+}
+
+// Horizon slope [m per step] of each receiver over the first `reach` steps of its ray, exact for the
+// bilinear surface: every column and row crossing and, for the first `insideReach` >= 1 steps, the
+// maximum within each cell. Two loops, since processors that run lanes in step pay for both sides of a
+// branch.
+NearSlopes nearHorizon(sampler2D heights, NearRays rays, int reach, int insideReach)
+{
+    NearScan scan = startScan(heights, rays);
+    for (int column = 1; column <= insideReach; ++column)
+        scan = scanColumn(heights, rays, scan, column, true);
+    for (int column = insideReach + 1; column <= reach; ++column)
+        scan = scanColumn(heights, rays, scan, column, false);
+    NearSlopes found;
+    for (int i = 0; i < 8; ++i)
+        found.slopes[i] = scan.best[i];
+    return found;
 }
 
 // Hull of a sweep (Timonen and Westerholm 2010, section 5): vertices are (height [m], position

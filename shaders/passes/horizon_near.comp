@@ -9,7 +9,7 @@ layout(r16, binding = 0) uniform image2DArray horizon; // elevation codes
 uniform ivec2 size; // posts
 uniform int frame;
 uniform int reach;
-uniform bool inside;
+uniform int insideReach;
 uniform vec4 direction; // as in horizon_sweep.comp
 
 void main()
@@ -28,15 +28,17 @@ void main()
     // Mirrored so that the drift is positive: the block is then walked from its other end.
     int mirror = drift < 0.0 ? -1 : 1;
     int start = drift < 0.0 ? block + 7 : block;
-    ivec2 major = north ? ivec2(0, look) : ivec2(look, 0);
-    ivec2 minor = north ? ivec2(mirror, 0) : ivec2(0, mirror);
     ivec2 first = north ? ivec2(start, along) : ivec2(along, start);
-    NearSlopes found =
-        nearHorizon(heights, first + frame, major, minor, abs(drift), reach, inside);
+    NearRays rays;
+    rays.major = north ? ivec2(0, look) : ivec2(look, 0);
+    rays.minor = north ? ivec2(mirror, 0) : ivec2(0, mirror);
+    rays.first = first + frame;
+    rays.tangent = abs(drift);
+    NearSlopes found = nearHorizon(heights, rays, reach, insideReach);
 
     for (int i = 0; i < 8; ++i)
     {
-        ivec2 post = first + minor * i;
+        ivec2 post = first + rays.minor * i;
         if (post.x >= size.x || post.y >= size.y)
             continue;
         float code = VOID_CODE;

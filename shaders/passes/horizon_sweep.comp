@@ -18,10 +18,11 @@ uniform int firstDirection;
 // direction along the major axis (+1 or -1), 1 where the major axis is north, layer.
 uniform vec4 directions[256];
 
-// A hull that needs more vertices loses every second of them, the newest excepted. Between two kept
-// vertices the hull then runs below the lost one, by no more than the lost vertex stood above their
-// chord. `dropped` counts them.
+// A hull that may need more vertices than there is room for loses every second of them, the newest
+// excepted. Between two kept vertices the hull then runs below the lost one, by no more than the lost
+// vertex stood above their chord. `dropped` counts them.
 const int HULL_CAPACITY = HULL_SIZE;
+const int CHUNK = 32;
 
 void main()
 {
@@ -54,75 +55,82 @@ void main()
     int count = high - low + 1;
     int start = look > 0 ? high : low;
 
-    vec2 hull[HULL_CAPACITY]; // height, position in steps walked
-    int top = -1;
-    for (int walked = 0; walked < count; ++walked)
+    // Vertices: height, position in steps walked. The newest two stand in registers; hull[] holds all
+    // but the newest.
+    vec2 hull[HULL_CAPACITY];
+    vec2 newest = vec2(0.0);
+    vec2 second = vec2(0.0);
+    int vertices = 0;
+    for (int chunk = 0; chunk < count; chunk += CHUNK)
     {
-        int pushed = walked - reach - 1;
-        if (pushed >= 0)
+        // Asked once per chunk, not per push: a processor that runs lanes in step pays for it each time.
+        if (vertices > HULL_CAPACITY - CHUNK)
         {
-            int major = start - look * pushed;
-            float minor = lineStart + drift * float(major);
-            int whole = int(floor(minor));
-            ivec2 post = (north ? ivec2(whole, major) : ivec2(major, whole)) + frame;
-            float a = postHeight(heights, post);
-            float b = postHeight(heights, post + (north ? ivec2(1, 0) : ivec2(0, 1)));
-            vec2 vertex = vec2(mix(a, b, minor - float(whole)), float(pushed));
-            if (!isVoid(vertex.x))
-            {
-                vec2 nearer = hull[max(top, 0)];
-                while (top > 0)
-                {
-                    vec2 farther = hull[top - 1];
-                    if (!hidesOrEquals(vertex, nearer, farther))
-                        break;
-                    nearer = farther;
-                    --top;
-                }
-                if (top == HULL_CAPACITY - 1)
-                {
-                    for (int i = 1; i < HULL_CAPACITY / 2; ++i)
-                        hull[i] = hull[2 * i];
-                    hull[HULL_CAPACITY / 2] = hull[top];
-                    top = HULL_CAPACITY / 2;
-                    imageAtomicAdd(dropped, ivec2(0), uint(HULL_CAPACITY - 1 - top));
-                }
-                ++top;
-                hull[top] = vertex;
-            }
+            int kept = vertices / 2;
+            for (int i = 1; i < kept; ++i)
+                hull[i] = hull[2 * i];
+            imageAtomicAdd(dropped, ivec2(0), uint(vertices - 1 - kept));
+            second = hull[kept - 1];
+            vertices = kept + 1;
         }
-
-        // The post that this line is nearest to, if there is one: asked of the post, so that rounding
-        // cannot leave a post between two lines that both decline it.
-        int major = start - look * walked;
-        float drifted = drift * float(major);
-        int minor = int(floor(lineStart + drifted));
-        if (int(floor((float(minor) - drifted + shift) * perPost + 0.5)) != line)
-            ++minor;
-        bool nearest = minor >= 0 && minor < breadth &&
-                       int(floor((float(minor) - drifted + shift) * perPost + 0.5)) == line;
-        if (nearest)
+        for (int walked = chunk; walked < min(chunk + CHUNK, count); ++walked)
         {
-            ivec2 post = north ? ivec2(minor, major) : ivec2(major, minor);
-            float slope = NO_HORIZON;
-            if (top >= 0)
+            int pushed = walked - reach - 1;
+            if (pushed >= 0)
             {
-                vec2 eye = vec2(postHeight(heights, post + frame), float(walked));
-                int index = top;
-                vec2 nearer = hull[index];
-                while (index > 0)
+                int major = start - look * pushed;
+                float minor = lineStart + drift * float(major);
+                int whole = int(floor(minor));
+                ivec2 post = (north ? ivec2(whole, major) : ivec2(major, whole)) + frame;
+                float a = postHeight(heights, post);
+                float b = postHeight(heights, post + (north ? ivec2(1, 0) : ivec2(0, 1)));
+                vec2 vertex = vec2(mix(a, b, minor - float(whole)), float(pushed));
+                if (!isVoid(vertex.x))
                 {
-                    vec2 farther = hull[index - 1];
-                    if (!hidesOrEquals(eye, nearer, farther))
-                        break;
-                    nearer = farther;
-                    --index;
+                    while (vertices > 1 && hidesOrEquals(vertex, newest, second))
+                    {
+                        newest = second;
+                        --vertices;
+                        second = hull[max(vertices - 2, 0)];
+                    }
+                    hull[max(vertices - 1, 0)] = newest;
+                    second = newest;
+                    newest = vertex;
+                    ++vertices;
                 }
-                slope = (nearer.x - eye.x) / (eye.y - nearer.y);
             }
-            float stepLength = texelFetch(stepLengths, ivec2(layer, post.y), 0).x;
-            float code = codeOfElevation(elevationOfSlope(slope / stepLength));
-            imageStore(horizon, ivec3(post, layer), vec4(code));
+
+            // The post that this line is nearest to, if there is one: asked of the post, so that rounding
+            // cannot leave a post between two lines that both decline it.
+            int major = start - look * walked;
+            float drifted = drift * float(major);
+            int minor = int(floor(lineStart + drifted));
+            if (int(floor((float(minor) - drifted + shift) * perPost + 0.5)) != line)
+                ++minor;
+            bool nearest = minor >= 0 && minor < breadth &&
+                           int(floor((float(minor) - drifted + shift) * perPost + 0.5)) == line;
+            if (nearest)
+            {
+                ivec2 post = north ? ivec2(minor, major) : ivec2(major, minor);
+                float slope = NO_HORIZON;
+                if (vertices > 0)
+                {
+                    vec2 eye = vec2(postHeight(heights, post + frame), float(walked));
+                    vec2 nearer = newest;
+                    vec2 farther = second;
+                    int rest = vertices - 1;
+                    while (rest > 0 && hidesOrEquals(eye, nearer, farther))
+                    {
+                        nearer = farther;
+                        --rest;
+                        farther = hull[max(rest - 1, 0)];
+                    }
+                    slope = (nearer.x - eye.x) / (eye.y - nearer.y);
+                }
+                float stepLength = texelFetch(stepLengths, ivec2(layer, post.y), 0).x;
+                float code = codeOfElevation(elevationOfSlope(slope / stepLength));
+                imageStore(horizon, ivec3(post, layer), vec4(code));
+            }
         }
     }
 }

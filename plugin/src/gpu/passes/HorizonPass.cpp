@@ -20,11 +20,11 @@ HorizonScheme HorizonScheme::of(HorizonQuality quality)
     switch (quality)
     {
     case HorizonQuality::Draft:
-        return {4, 1, false};
+        return {4, 1, 2};
     case HorizonQuality::Best:
-        return {32, 4, true};
+        return {32, 4, 16};
     default:
-        return {16, 1, true};
+        return {16, 2, 8};
     }
 }
 
@@ -32,7 +32,7 @@ HorizonPass::HorizonPass(const DemTile& tile, osg::Texture2D* heights, const Hor
                          int directionCount)
     : _width(tile.width()), _height(tile.height()), _northSpacing(tile.northSpacing),
       _eastSpacings(tile.eastSpacings), _nominalEastSpacing(tile.nominalEastSpacing()),
-      _scheme(scheme), _sweep(new GpuPass("horizon_sweep", {"HULL_SIZE 64"})),
+      _scheme(scheme), _sweep(new GpuPass("horizon_sweep", {"HULL_SIZE 128"})),
       _near(new GpuPass("horizon_near"))
 {
     _stepLengths = createFloatTexture(Raster<float>(directionCount, _height, 1.0f));
@@ -47,7 +47,7 @@ HorizonPass::HorizonPass(const DemTile& tile, osg::Texture2D* heights, const Hor
         pass->set("reach", scheme.reach);
     }
     _sweep->set("linesPerPost", scheme.linesPerPost);
-    _near->set("inside", scheme.inside);
+    _near->set("insideReach", scheme.insideReach);
     _sweep->writes(0, _horizon);
     _sweep->writes(1, _dropped, GpuPass::Access::ReadWrite);
     _near->writes(0, _horizon, GpuPass::Access::ReadWrite);

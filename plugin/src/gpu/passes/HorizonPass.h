@@ -21,7 +21,7 @@ struct OSGTERRAINLIGHT_EXPORT HorizonScheme
 {
     int reach = 16;       ///< steps of the near field, 1 … 32
     int linesPerPost = 1; ///< lines of the sweep per post, 1 … 8
-    bool inside = true;   ///< maxima inside the near field's cells count
+    int insideReach = 8;  ///< steps in which maxima inside cells count too, 1 … reach
 
     static HorizonScheme of(HorizonQuality quality);
 };
