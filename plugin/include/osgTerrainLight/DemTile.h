@@ -12,10 +12,11 @@ namespace osgTerrainLight
 
 /// Heights of one tile: plain values, no scene graph, no file.
 ///
-/// Posts are height samples at cell corners of the surface, which is bilinear between them. Row 0 is
-/// the southernmost row, column 0 the westernmost. Heights are float metres above `heightOrigin`,
-/// which is double: nothing large reaches a float. Voids are a mask, not a value: a void post has
-/// valid == 0 and its height is 0 and means nothing; it neither casts, receives nor emits light.
+/// Posts are height samples at cell corners of the surface, which is bilinear between them. Row 0
+/// is the southernmost row, column 0 the westernmost. Heights are float metres above
+/// `heightOrigin`, which is double: nothing large reaches a float. Voids are a mask, not a value: a
+/// void post has valid == 0 and its height is 0 and means nothing; it neither casts, receives nor
+/// emits light.
 class OSGTERRAINLIGHT_EXPORT DemTile
 {
 public:

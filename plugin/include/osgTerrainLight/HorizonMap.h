@@ -9,12 +9,13 @@
 namespace osgTerrainLight
 {
 
-/// Horizon elevation per post and azimuth, on the CPU: what is read back, written to file and tested.
+/// Horizon elevation per post and azimuth, on the CPU: what is read back, written to file and
+/// tested.
 ///
 /// Azimuth k of m looks towards φ_k = 2πk/m, counter-clockwise from east. m is a multiple of 4, so
 /// that the same set, renumbered, is "clockwise from north". Elevation is the angle above the
-/// horizontal, −90° … 90°, in 16 bits: code 32768 is exactly 0°, one step is 90°/32767 = 0.0027°, and
-/// code 0 marks a void post. The same code, read as R16 unorm, is what the GPU holds.
+/// horizontal, −90° … 90°, in 16 bits: code 32768 is exactly 0°, one step is 90°/32767 = 0.0027°,
+/// and code 0 marks a void post. The same code, read as R16 unorm, is what the GPU holds.
 class OSGTERRAINLIGHT_EXPORT HorizonMap
 {
 public:

@@ -26,8 +26,8 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
     /// Azimuths of the horizon map: a multiple of 4, 4 … 256.
     int azimuths = 32;
     HorizonQuality quality = HorizonQuality::Normal;
-    /// Multiplies the colour before it is encoded to sRGB, in the default program and in PNG output:
-    /// 2^exposure. Stops, −20 … 20.
+    /// Multiplies the colour before it is encoded to sRGB, in the default program and in PNG
+    /// output: 2^exposure. Stops, −20 … 20.
     double exposure = 0.0;
 };
 

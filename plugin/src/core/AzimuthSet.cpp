@@ -18,8 +18,10 @@ MapDirection unitVector(double degrees)
     const double angle = (turns - std::floor(turns)) * 360.0;
     const int quarter = static_cast<int>(angle / 90.0) % 4;
     const double rest = angle - 90.0 * quarter;
-    const double c = rest <= 45.0 ? std::cos(rest * pi / 180.0) : std::sin((90.0 - rest) * pi / 180.0);
-    const double s = rest <= 45.0 ? std::sin(rest * pi / 180.0) : std::cos((90.0 - rest) * pi / 180.0);
+    const double c =
+        rest <= 45.0 ? std::cos(rest * pi / 180.0) : std::sin((90.0 - rest) * pi / 180.0);
+    const double s =
+        rest <= 45.0 ? std::sin(rest * pi / 180.0) : std::cos((90.0 - rest) * pi / 180.0);
     switch (quarter)
     {
     case 0:
