@@ -22,7 +22,7 @@ HorizonScheme HorizonScheme::of(HorizonQuality quality)
     case HorizonQuality::Draft:
         return {4, 1, 2};
     case HorizonQuality::Best:
-        return {32, 4, 16};
+        return {48, 2, 16};
     default:
         return {16, 2, 8};
     }

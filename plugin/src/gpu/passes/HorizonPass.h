@@ -19,8 +19,8 @@ namespace osgTerrainLight
 /// What a quality stands for. docs/ARCHITECTURE.md has the measurements that chose the numbers.
 struct OSGTERRAINLIGHT_EXPORT HorizonScheme
 {
-    int reach = 16;       ///< steps of the near field, 1 … 32
-    int linesPerPost = 1; ///< lines of the sweep per post, 1 … 8
+    int reach = 16;       ///< steps of the near field, 1 … 64
+    int linesPerPost = 2; ///< lines of the sweep per post, 1 … 8
     int insideReach = 8;  ///< steps in which maxima inside cells count too, 1 … reach
 
     static HorizonScheme of(HorizonQuality quality);
