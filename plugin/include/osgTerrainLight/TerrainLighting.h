@@ -1,0 +1,113 @@
+#pragma once
+
+#include <osgTerrainLight/DemTile.h>
+#include <osgTerrainLight/Export.h>
+#include <osgTerrainLight/LightingSettings.h>
+#include <osgTerrainLight/ShadingTexture.h>
+#include <osgTerrainLight/SkyLight.h>
+
+#include <osg/Group>
+#include <osg/StateSet>
+
+#include <map>
+#include <memory>
+#include <string>
+
+namespace osgGA
+{
+class GUIEventHandler;
+}
+
+namespace osgTerrainLight
+{
+
+/// Lights the terrain below it: every osgTerrain::TerrainTile, those that are added or paged in
+/// later too, and what addTile() is given.
+///
+/// Heights are metres above the horizontal plane of the tile; x is east and y north (geocentric
+/// tiles: of the place). Light is computed in the draw traversal, before the first tile is drawn,
+/// and only where sun, sky, settings or heights have changed. Needs OpenGL 4.3; in an older context
+/// one warning is given and the terrain is drawn as if this node were a plain group.
+///
+/// Methods are called where the scene graph may be changed: in update and event traversal, or
+/// between frames.
+class OSGTERRAINLIGHT_EXPORT TerrainLighting : public osg::Group
+{
+public:
+    TerrainLighting();
+    TerrainLighting(const TerrainLighting& other,
+                    const osg::CopyOp& copyop = osg::CopyOp::SHALLOW_COPY);
+    META_Node(osgTerrainLight, TerrainLighting)
+
+        /// Values outside the ranges of ParameterRange are refused with one warning.
+        void setSkyLight(const SkyLight& sky);
+    const SkyLight& getSkyLight() const { return _sky; }
+
+    /// Exposure takes effect in the default program only.
+    void setSettings(const LightingSettings& settings);
+    const LightingSettings& getSettings() const { return _settings; }
+
+    /// Off: the terrain is drawn as if this node were a plain group. Default on.
+    void setLightEnabled(bool enabled);
+    bool getLightEnabled() const { return _lightEnabled; }
+
+    /// Time per frame and graphics context in which tiles are computed [ms]; at least one tile is.
+    /// 0: all of them in one frame. A tile that waits is drawn as if this node were a plain group,
+    /// or with its light as it was. Default 50.
+    void setTimeBudget(double milliseconds);
+    double getTimeBudget() const;
+
+    /// Of the shading texture, 0 … 31. Tiles that are lit already keep theirs.
+    void setTextureUnit(unsigned unit) { _textureUnit = unit; }
+    unsigned getTextureUnit() const { return _textureUnit; }
+
+    /// Whether tiles below that have no shaders, neither of their own nor from above, get a program
+    /// that multiplies their colour layer 0 (white where there is none), exposes and encodes to
+    /// sRGB. Default true. Tiles that are lit already stay as they are.
+    void setDefaultProgramEnabled(bool enabled) { _defaultProgramEnabled = enabled; }
+    bool getDefaultProgramEnabled() const { return _defaultProgramEnabled; }
+
+    /// Whether keys in the viewer's window change the light; they are listed with the viewer's own.
+    /// Default false.
+    void setKeysEnabled(bool enabled);
+    bool getKeysEnabled() const;
+
+    /// Lights a host's own terrain, drawn below this node with `stateSet`. program: whether the
+    /// default program is put on it as well; else the host's shaders read the texture. False, with
+    /// a warning, where the tile has no post or the StateSet is taken.
+    bool addTile(const DemTile& tile, osg::StateSet* stateSet,
+                 const ShadingCoordinates& coordinates = {}, bool program = false);
+    /// Leaves the StateSet as addTile() found it, a few updates later: frames that are still being
+    /// drawn use it.
+    void removeTile(osg::StateSet* stateSet);
+
+    std::size_t getTileCount() const;
+
+    /// Runs of each stage (horizon, sky, sun, shade) since creation, all tiles and contexts. A
+    /// still scene adds none.
+    std::map<std::string, unsigned> getDispatchCounts() const;
+    unsigned getDispatchCount() const;
+
+    void traverse(osg::NodeVisitor& visitor) override;
+    osg::BoundingSphere computeBound() const override;
+    void releaseGLObjects(osg::State* state = nullptr) const override;
+    void resizeGLObjectBuffers(unsigned size) override;
+
+protected:
+    ~TerrainLighting() override;
+
+private:
+    class Tiles;
+    void applyExposure();
+
+    SkyLight _sky;
+    LightingSettings _settings;
+    bool _lightEnabled = true;
+    bool _defaultProgramEnabled = true;
+    unsigned _textureUnit = ShadingTexture::defaultUnit;
+    std::unique_ptr<Tiles> _tiles;
+    osg::ref_ptr<osgGA::GUIEventHandler> _keys;
+    osg::ref_ptr<osg::StateSet> _exposure;
+};
+
+} // namespace osgTerrainLight

@@ -1,0 +1,157 @@
+#include "io/EarthFile.h"
+
+#include <pugixml.hpp>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+/// One file being read: the text is kept for line numbers, which pugixml does not count.
+class Parser
+{
+public:
+    Parser(const std::string& text, const std::string& source) : _text(text), _source(source) {}
+
+    Result<EarthMap> parse()
+    {
+        pugi::xml_document document;
+        const pugi::xml_parse_result parsed =
+            document.load_buffer(_text.data(), _text.size(), pugi::parse_default);
+        if (!parsed)
+            return error(lineAt(static_cast<std::size_t>(parsed.offset)),
+                         std::string("is no well-formed XML: ") + parsed.description());
+        const pugi::xml_node root = document.document_element();
+        if (std::string(root.name()) != "map" && std::string(root.name()) != "earth")
+            return error(lineOf(root), std::string("the outermost element is <") + root.name() +
+                                           ">; needs <map>");
+
+        _map.name = root.attribute("name").value();
+        for (const pugi::xml_node& element : root.children())
+        {
+            if (element.type() != pugi::node_element)
+                continue;
+            Status read = readElement(element);
+            if (!read)
+                return read.error();
+        }
+        if (_map.elevations.empty() && _map.images.empty() && _skipped.empty())
+            return error(lineOf(root), "holds no layer; needs <elevation driver=\"gdal\"> or "
+                                       "<image driver=\"gdal\">");
+        if (!_skipped.empty())
+            _map.notes.push_back(_source +
+                                 ": skipped, as this reader does not know it: " + _skipped);
+        return _map;
+    }
+
+private:
+    int lineAt(std::size_t offset) const
+    {
+        const std::size_t end = std::min(offset, _text.size());
+        return 1 + static_cast<int>(std::count(
+                       _text.begin(), _text.begin() + static_cast<std::ptrdiff_t>(end), '\n'));
+    }
+    int lineOf(const pugi::xml_node& node) const
+    {
+        return lineAt(static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, node.offset_debug())));
+    }
+    /// Line of an attribute, which may stand below its element's name.
+    int lineOf(const pugi::xml_node& node, const std::string& attribute) const
+    {
+        const std::size_t start = static_cast<std::size_t>(node.offset_debug());
+        const std::size_t found = _text.find(attribute, start + std::string(node.name()).size());
+        return lineAt(std::min(found, _text.size()));
+    }
+    Error error(int line, const std::string& sentence) const
+    {
+        return {ErrorCode::Invalid, _source + ":" + std::to_string(line) + ": " + sentence};
+    }
+    void skip(const pugi::xml_node& element, const std::string& what)
+    {
+        _skipped += (_skipped.empty() ? "" : ", ") + what + " (line " +
+                    std::to_string(lineOf(element)) + ")";
+    }
+
+    /// The value of a key, which osgEarth lets stand as an attribute or as a child.
+    static std::string valueOf(const pugi::xml_node& element, const char* key)
+    {
+        const pugi::xml_attribute attribute = element.attribute(key);
+        return attribute ? attribute.value() : element.child(key).text().get();
+    }
+
+    Status readElement(const pugi::xml_node& element)
+    {
+        const std::string tag = element.name();
+        const std::string driver = valueOf(element, "driver");
+        const bool elevation = tag == "GDALElevation" ||
+                               ((tag == "elevation" || tag == "heightfield") && driver == "gdal");
+        const bool image = tag == "GDALImage" || (tag == "image" && driver == "gdal");
+        if (tag == "terrain_light")
+            return readLight(element);
+        if (!elevation && !image)
+        {
+            skip(element, "<" + tag + (driver.empty() ? "" : " driver=\"" + driver + "\"") + ">");
+            return Nothing{};
+        }
+        for (const char* key : {"enabled", "visible"})
+            if (valueOf(element, key) == "false")
+                return Nothing{};
+        EarthLayer layer{element.attribute("name").value(), valueOf(element, "url"),
+                         lineOf(element)};
+        if (layer.url.empty())
+            return error(layer.line, "<" + tag + "> has no url; needs <url>FILE</url>");
+        (elevation ? _map.elevations : _map.images).push_back(layer);
+        return Nothing{};
+    }
+
+    Status readLight(const pugi::xml_node& element)
+    {
+        for (const pugi::xml_attribute& attribute : element.attributes())
+        {
+            Status set = setLightParameter(_map.light, attribute.name(), attribute.value());
+            if (!set)
+                return error(lineOf(element, attribute.name()),
+                             "<terrain_light> " + set.error().message);
+        }
+        for (const pugi::xml_node& child : element.children())
+        {
+            if (child.type() != pugi::node_element)
+                continue;
+            std::istringstream words(child.text().get());
+            std::string value, word;
+            while (words >> word)
+                value += (value.empty() ? "" : " ") + word;
+            Status set = setLightParameter(_map.light, child.name(), value);
+            if (!set)
+                return error(lineOf(child), "<terrain_light> " + set.error().message);
+        }
+        return Nothing{};
+    }
+
+    const std::string& _text;
+    const std::string& _source;
+    EarthMap _map;
+    std::string _skipped;
+};
+} // namespace
+
+Result<EarthMap> parseEarth(const std::string& text, const std::string& source)
+{
+    return Parser(text, source).parse();
+}
+
+Result<EarthMap> readEarthFile(const std::string& path)
+{
+    std::ifstream file(path, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    if (file.bad() || !file.is_open())
+        return Error{ErrorCode::NotFound, path + ": cannot be read"};
+    return parseEarth(text, path);
+}
+
+} // namespace osgTerrainLight

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "core/Result.h"
+#include "io/LightParameters.h"
+#include <osgTerrainLight/Export.h>
+
+#include <string>
+#include <vector>
+
+namespace osgTerrainLight
+{
+
+/// A layer that GDAL reads.
+struct EarthLayer
+{
+    std::string name;
+    std::string url; ///< as written; relative to the file's folder
+    int line = 0;
+};
+
+/// What we read of an .earth file (docs/EARTH_FILE.md).
+struct EarthMap
+{
+    std::string name;
+    std::vector<EarthLayer> elevations;
+    std::vector<EarthLayer> images; ///< bottom first
+    LightParameters light;
+    std::vector<std::string> notes; ///< what was skipped, one sentence each, to be said once
+};
+
+/// source: what messages call the text. Errors name source, line, key, value and what is needed.
+OSGTERRAINLIGHT_EXPORT Result<EarthMap> parseEarth(const std::string& text,
+                                                   const std::string& source);
+
+OSGTERRAINLIGHT_EXPORT Result<EarthMap> readEarthFile(const std::string& path);
+
+} // namespace osgTerrainLight

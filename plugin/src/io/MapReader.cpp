@@ -1,0 +1,265 @@
+#include "io/MapReader.h"
+
+#include <cpl_minixml.h>
+#include <cpl_string.h>
+#include <gdal_priv.h>
+#include <gdal_utils.h>
+#include <ogr_spatialref.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+std::string number(double value)
+{
+    return CPLSPrintf("%.17g", value);
+}
+
+std::string escaped(const std::string& text)
+{
+    char* xml = CPLEscapeString(text.c_str(), static_cast<int>(text.size()), CPLES_XML);
+    const std::string result = xml;
+    CPLFree(xml);
+    return result;
+}
+
+/// A virtual raster that shows another one with fewer cells: GDAL averages, and uses overviews.
+/// What says where cells are void goes along, so that no void enters an average.
+std::string reducedRaster(const std::string& path, const DemInfo& info, int band, int width,
+                          int height)
+{
+    const auto tag = [](const char* name, const std::string& content)
+    { return std::string("<") + name + ">" + content + "</" + name + ">"; };
+    const auto rectangle = [](const char* name, int w, int h)
+    {
+        return std::string("<") + name + " xOff=\"0\" yOff=\"0\" xSize=\"" + std::to_string(w) +
+               "\" ySize=\"" + std::to_string(h) + "\"/>";
+    };
+    const double stretchX = static_cast<double>(info.rasterWidth) / width;
+    const double stretchY = static_cast<double>(info.rasterHeight) / height;
+    std::string place;
+    for (std::size_t i = 0; i < 6; ++i)
+        place += (i ? ", " : "") + number(info.frame.geoTransform[i] * (i % 3 == 1   ? stretchX
+                                                                        : i % 3 == 2 ? stretchY
+                                                                                     : 1.0));
+    const bool isReal = info.dataType == "Float64" || info.dataType == "Float32";
+    std::string bandText =
+        (info.noData ? tag("NoDataValue", number(*info.noData)) : "") +
+        (info.heightUnit.empty() ? "" : tag("UnitType", escaped(info.heightUnit))) +
+        tag("Offset", number(info.offset)) + tag("Scale", number(info.scale)) +
+        "<ComplexSource resampling=\"average\">" + "<SourceFilename relativeToVRT=\"0\">" +
+        escaped(path) + "</SourceFilename>" + tag("SourceBand", std::to_string(band)) +
+        rectangle("SrcRect", info.rasterWidth, info.rasterHeight) +
+        rectangle("DstRect", width, height) +
+        (info.noData ? tag("NODATA", number(*info.noData)) : "") +
+        (info.hasMask ? tag("UseMaskBand", "true") : "") + "</ComplexSource>";
+    const char* mask = "<ComplexSource><SourceFilename relativeToVRT=\"0\">";
+    std::string maskText;
+    if (info.hasMask)
+        maskText = "<MaskBand><VRTRasterBand dataType=\"Byte\">" + std::string(mask) +
+                   escaped(path) + "</SourceFilename><SourceBand>mask," + std::to_string(band) +
+                   "</SourceBand>" + rectangle("SrcRect", info.rasterWidth, info.rasterHeight) +
+                   rectangle("DstRect", width, height) +
+                   "</ComplexSource></VRTRasterBand></MaskBand>";
+    return "<VRTDataset rasterXSize=\"" + std::to_string(width) + "\" rasterYSize=\"" +
+           std::to_string(height) + "\">" +
+           (info.frame.crs.empty() ? "" : tag("SRS", escaped(info.frame.crs))) +
+           (info.frame.hasGeoTransform ? tag("GeoTransform", place) : "") +
+           "<VRTRasterBand dataType=\"" + (isReal ? info.dataType : "Float64") + "\" band=\"1\">" +
+           bandText + "</VRTRasterBand>" + maskText + "</VRTDataset>";
+}
+
+Result<GDALDatasetUniquePtr> openPicture(const std::string& path, const GdalErrors& errors)
+{
+    GDALDatasetUniquePtr picture(
+        GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
+    VSIStatBufL stat;
+    if (!picture)
+        return VSIStatL(path.c_str(), &stat) != 0
+                   ? Error{ErrorCode::NotFound, path + ": no such file"}
+                   : Error{ErrorCode::Invalid,
+                           path + ": is no picture that GDAL reads (" + errors.first() + ")"};
+    if (picture->GetRasterCount() == 0)
+        return Error{ErrorCode::Invalid, path + ": holds no raster band itself"};
+    const GDALDataType type = picture->GetRasterBand(1)->GetRasterDataType();
+    if (type != GDT_Byte)
+        return Error{ErrorCode::NotSupported, path + ": holds " + GDALGetDataTypeName(type) +
+                                                  " values; needs 8 bits per channel"};
+    std::array<double, 6> place{};
+    if (picture->GetGeoTransform(place.data()) != CE_None)
+        return Error{ErrorCode::Invalid, path + ": has no geotransform; needs one"};
+    return picture;
+}
+
+GDALDatasetUniquePtr withoutPalette(GDALDatasetUniquePtr picture)
+{
+    if (!picture->GetRasterBand(1)->GetColorTable())
+        return picture;
+    CPLStringList arguments;
+    for (const char* argument : {"-of", "VRT", "-expand", "rgba"})
+        arguments.AddString(argument);
+    GDALTranslateOptions* options = GDALTranslateOptionsNew(arguments.List(), nullptr);
+    GDALDatasetUniquePtr expanded(GDALDataset::FromHandle(
+        GDALTranslate("", GDALDataset::ToHandle(picture.get()), options, nullptr)));
+    GDALTranslateOptionsFree(options);
+    return expanded; // holds on to the picture
+}
+
+GDALDatasetUniquePtr warped(GDALDataset& picture, const DemTile& tile)
+{
+    CPLStringList arguments;
+    for (const char* argument : {"-of", "VRT", "-r", "bilinear", "-te"})
+        arguments.AddString(argument);
+    for (double edge :
+         {tile.mapOriginX, tile.mapOriginY, tile.mapOriginX + (tile.width() - 1) * tile.mapStepX,
+          tile.mapOriginY + (tile.height() - 1) * tile.mapStepY})
+        arguments.AddString(number(edge).c_str());
+    if (!tile.crs.empty())
+    {
+        arguments.AddString("-t_srs");
+        arguments.AddString(tile.crs.c_str());
+        if (!picture.GetSpatialRef())
+        {
+            arguments.AddString("-s_srs");
+            arguments.AddString(tile.crs.c_str());
+        }
+    }
+    const int bands = picture.GetRasterCount();
+    if (picture.GetRasterBand(bands)->GetColorInterpretation() != GCI_AlphaBand)
+        arguments.AddString("-dstalpha");
+    GDALWarpAppOptions* options = GDALWarpAppOptionsNew(arguments.List(), nullptr);
+    GDALDatasetH source = GDALDataset::ToHandle(&picture);
+    GDALDatasetUniquePtr result(
+        GDALDataset::FromHandle(GDALWarp("", nullptr, 1, &source, options, nullptr)));
+    GDALWarpAppOptionsFree(options);
+    return result;
+}
+} // namespace
+
+Result<DemFile> readDemReduced(const std::string& path, const DemReadOptions& options, int maxSide)
+{
+    Result<DemInfo> info = describeDem(path, options);
+    if (!info)
+        return info.error();
+    const int longest = std::max(info->rasterWidth, info->rasterHeight);
+    if (longest <= maxSide)
+        return readDem(path, options);
+
+    const auto reduced = [&](int side)
+    {
+        return std::max(1, static_cast<int>(std::lround(static_cast<double>(side) * maxSide /
+                                                        static_cast<double>(longest))));
+    };
+    const int width = reduced(info->rasterWidth);
+    const int height = reduced(info->rasterHeight);
+    DemReadOptions reading = options;
+    reading.band = 1;
+    if (options.cellSize)
+        reading.cellSize = *options.cellSize * longest / maxSide;
+    const std::string raster = reducedRaster(path, *info, options.band, width, height);
+    Result<DemFile> file = readDem(raster, reading);
+    if (!file)
+    {
+        Error error = file.error();
+        if (const std::size_t at = error.message.find(raster); at != std::string::npos)
+            error.message.replace(at, raster.size(), path);
+        return error;
+    }
+    file->notes = info->notes;
+    file->notes.push_back(std::to_string(info->rasterWidth) + " x " +
+                          std::to_string(info->rasterHeight) + " posts are averaged to " +
+                          std::to_string(width) + " x " + std::to_string(height));
+    return file;
+}
+
+Result<ColourImage> readColour(const std::string& path, const DemTile& tile, int maxSize)
+{
+    GdalErrors errors;
+    Result<GDALDatasetUniquePtr> opened = openPicture(path, errors);
+    if (!opened)
+        return opened.error();
+    const GDALDatasetUniquePtr picture = withoutPalette(std::move(*opened));
+    const GDALDatasetUniquePtr fitted = picture ? warped(*picture, tile) : nullptr;
+    if (!fitted)
+        return Error{ErrorCode::Failed,
+                     path + ": cannot be warped to the terrain (" + errors.first() + ")"};
+
+    ColourImage image;
+    image.width = std::min(fitted->GetRasterXSize(), maxSize);
+    image.height = std::min(fitted->GetRasterYSize(), maxSize);
+    const std::size_t count =
+        static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+    image.pixels.resize(4 * count);
+    const int bands = fitted->GetRasterCount();
+    const bool grey = bands < 4;
+    GDALRasterIOExtraArg extra;
+    INIT_RASTERIO_EXTRA_ARG(extra);
+    extra.eResampleAlg = GRIORA_Average;
+    for (int channel = 0; channel < 4; ++channel)
+    {
+        const int band = channel == 3 ? bands : grey ? 1 : channel + 1;
+        // Row 0 south: from the last row of the buffer upwards.
+        std::uint8_t* start =
+            image.pixels.data() + 4 * (count - static_cast<std::size_t>(image.width)) + channel;
+        if (fitted->GetRasterBand(band)->RasterIO(
+                GF_Read, 0, 0, fitted->GetRasterXSize(), fitted->GetRasterYSize(), start,
+                image.width, image.height, GDT_Byte, 4, -4 * static_cast<GSpacing>(image.width),
+                &extra) != CE_None)
+            return Error{ErrorCode::Failed, path + ": cannot be read (" + errors.last() + ")"};
+    }
+    bool seen = false;
+    for (std::size_t i = 0; i < count && !seen; ++i)
+        seen = image.pixels[4 * i + 3] != 0;
+    if (!seen)
+        return Error{ErrorCode::Invalid, path + ": does not overlap the terrain"};
+    return image;
+}
+
+Result<DemTile> levelTileUnder(const std::string& path)
+{
+    GdalErrors errors;
+    Result<GDALDatasetUniquePtr> opened = openPicture(path, errors);
+    if (!opened)
+        return opened.error();
+    GDALDataset& picture = **opened;
+    std::array<double, 6> t{};
+    picture.GetGeoTransform(t.data());
+    const double spanX = t[1] * picture.GetRasterXSize();
+    const double spanY = t[5] * picture.GetRasterYSize();
+    MetresPerRadian metres{1.0, 1.0};
+    double radians = 1.0;
+    DemTile tile(2, 2, 1.0);
+    if (const OGRSpatialReference* crs = picture.GetSpatialRef())
+    {
+        char* wkt = nullptr;
+        const char* wkt2[] = {"FORMAT=WKT2_2019", nullptr};
+        if (crs->exportToWkt(&wkt, wkt2) == OGRERR_NONE)
+            tile.crs = wkt;
+        CPLFree(wkt);
+        if (crs->IsGeographic())
+        {
+            radians = crs->GetAngularUnits();
+            metres = metresPerRadian((t[3] + 0.5 * spanY) * radians, crs->GetSemiMajor(),
+                                     crs->GetSemiMinor());
+        }
+        else
+            radians = crs->GetLinearUnits();
+    }
+    tile.northSpacing = std::abs(spanY) * radians * metres.north;
+    tile.eastSpacings = {std::abs(spanX) * radians * metres.east};
+    tile.mapOriginX = std::min(t[0], t[0] + spanX);
+    tile.mapOriginY = std::min(t[3], t[3] + spanY);
+    tile.mapStepX = std::abs(spanX);
+    tile.mapStepY = std::abs(spanY);
+    for (int row = 0; row < 2; ++row)
+        for (int column = 0; column < 2; ++column)
+            tile.setHeight(column, row, 0.0f);
+    return tile;
+}
+
+} // namespace osgTerrainLight

@@ -1,0 +1,39 @@
+#pragma once
+
+#include "core/Result.h"
+#include "io/DemReader.h"
+#include <osgTerrainLight/DemTile.h>
+#include <osgTerrainLight/Export.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace osgTerrainLight
+{
+
+/// As readDem() without a window, but a raster with more than maxSide posts a side is averaged down
+/// to it while reading, with a note that says so. maxSide ≥ 2.
+OSGTERRAINLIGHT_EXPORT Result<DemFile> readDemReduced(const std::string& path,
+                                                      const DemReadOptions& options, int maxSide);
+
+/// sRGB colours, 4 bytes per pixel (red, green, blue, alpha), row 0 south.
+struct ColourImage
+{
+    int width = 0;
+    int height = 0;
+    std::vector<std::uint8_t> pixels;
+};
+
+/// Reads a picture that GDAL reads (8 bits per channel: grey, palette, RGB; each with or without
+/// alpha), warped to the rectangle that the tile's outermost posts span, at the picture's own
+/// resolution up to maxSize pixels a side. Alpha is 0 where it has no data. A CRS that tile or
+/// picture lacks is taken as the other's. Errors name the file and the reason.
+OSGTERRAINLIGHT_EXPORT Result<ColourImage> readColour(const std::string& path, const DemTile& tile,
+                                                      int maxSize = 4096);
+
+/// A level tile of 2 × 2 posts that a georeferenced picture covers: what it is draped over where
+/// there is no elevation.
+OSGTERRAINLIGHT_EXPORT Result<DemTile> levelTileUnder(const std::string& path);
+
+} // namespace osgTerrainLight

@@ -1,0 +1,204 @@
+#include "io/EarthFile.h"
+#include "io/LightParameters.h"
+#include "scene/TerrainModel.h"
+#include <osgTerrainLight/TerrainLighting.h>
+
+#include <osg/Notify>
+#include <osgDB/FileNameUtils>
+#include <osgDB/FileUtils>
+#include <osgDB/ReadFile>
+#include <osgDB/Registry>
+
+#include <cmath>
+#include <iterator>
+#include <locale>
+#include <optional>
+#include <sstream>
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+/// What stands in the option string, as name=value.
+struct ReaderOptions
+{
+    LightParameters light;
+    std::optional<double> cellSize;
+    std::string word; ///< the first that is no name=value: another plugin's, if anyone's
+};
+
+Status setOption(ReaderOptions& options, const std::string& name, const std::string& value)
+{
+    if (name != "cell_size")
+        return setLightParameter(options.light, name, value);
+    std::istringstream text(value);
+    text.imbue(std::locale::classic());
+    double size = 0.0;
+    if (!(text >> size) || !text.eof() || !(size > 0.0) || !std::isfinite(size))
+        return Error{ErrorCode::Invalid,
+                     "cell_size = \"" + value + "\": needs a number of metres more than 0"};
+    options.cellSize = size;
+    return Nothing{};
+}
+
+/// start: what the options change.
+Result<ReaderOptions> parseOptions(const osgDB::Options* given, const LightParameters& start = {})
+{
+    ReaderOptions options;
+    options.light = start;
+    std::istringstream words(given ? given->getOptionString() : "");
+    std::string word;
+    while (words >> word)
+    {
+        const std::size_t equals = word.find('=');
+        if (equals == std::string::npos)
+        {
+            if (options.word.empty())
+                options.word = word;
+            continue;
+        }
+        const Status set = setOption(options, word.substr(0, equals), word.substr(equals + 1));
+        if (!set)
+            return Error{set.error().code, "reader option " + set.error().message};
+    }
+    return options;
+}
+
+osg::ref_ptr<osgDB::Options> optionsAt(const osgDB::Options* given, const std::string& folder)
+{
+    osg::ref_ptr<osgDB::Options> options = given ? given->cloneOptions() : new osgDB::Options;
+    if (!folder.empty())
+        options->getDatabasePathList().push_front(folder);
+    return options;
+}
+} // namespace
+
+class ReaderWriterTerrainLight : public osgDB::ReaderWriter
+{
+public:
+    ReaderWriterTerrainLight()
+    {
+        supportsExtension("terrainlight", "lights what the name before it is: DEM, scene or map");
+        supportsExtension("earth", "map of GDAL layers, lit");
+        for (const std::string& name : lightParameterNames())
+        {
+            const ParameterRange* range = nullptr;
+            std::string dashed = name;
+            for (char& c : dashed)
+                c = c == '_' ? '-' : c;
+            range = ParameterRange::find(dashed);
+            supportsOption(name + "=VALUE", range             ? range->meaning
+                                            : name == "light" ? "off, sky, sun or both"
+                                                              : "draft, normal or best");
+        }
+        supportsOption("cell_size=METRES", "between posts of a raster without geotransform");
+    }
+
+    const char* className() const override { return "Terrain lighting reader"; }
+
+    ReadResult readObject(const std::string& name, const osgDB::Options* options) const override
+    {
+        return readNode(name, options);
+    }
+
+    ReadResult readNode(const std::string& name, const osgDB::Options* options) const override
+    {
+        const std::string extension = osgDB::getLowerCaseFileExtension(name);
+        if (!acceptsExtension(extension))
+            return ReadResult::FILE_NOT_HANDLED;
+        const std::string inner =
+            extension == "terrainlight" ? osgDB::getNameLessExtension(name) : name;
+        if (inner.empty())
+            return ReadResult::FILE_NOT_HANDLED;
+        const bool isMap = osgDB::getLowerCaseFileExtension(inner) == "earth";
+        std::string path = osgDB::findDataFile(inner, options);
+        if (path.empty() && inner.compare(0, 4, "/vsi") == 0)
+            path = inner; // GDAL's own file systems
+        if (isMap)
+            return path.empty() ? ReadResult(ReadResult::FILE_NOT_FOUND) : readMap(path, options);
+        return readTerrainOrScene(path.empty() ? inner : path, !path.empty(), options);
+    }
+
+    /// The text of an .earth file.
+    ReadResult readNode(std::istream& stream, const osgDB::Options* options) const override
+    {
+        const std::string text{std::istreambuf_iterator<char>(stream),
+                               std::istreambuf_iterator<char>()};
+        const bool hasFolder = options && !options->getDatabasePathList().empty();
+        return made(parseEarth(text, "map"),
+                    hasFolder ? options->getDatabasePathList().front() : "", "map", options);
+    }
+
+private:
+    static ReadResult failed(const std::string& sentence)
+    {
+        return ReadResult(sentence); // an error with its message, which osgDB prints
+    }
+
+    static ReadResult readMap(const std::string& path, const osgDB::Options* options)
+    {
+        return made(readEarthFile(path), osgDB::getFilePath(path), path, options);
+    }
+
+    static ReadResult made(Result<EarthMap> map, const std::string& folder,
+                           const std::string& source, const osgDB::Options* given)
+    {
+        if (!map)
+            return failed(map.error().message);
+        const Result<ReaderOptions> options = parseOptions(given, map->light);
+        if (!options)
+            return failed(source + ": " + options.error().message);
+        if (!options->word.empty())
+            return failed(source + ": reader option " + options->word + ": needs NAME=VALUE");
+        map->light = options->light;
+        return shown(loadMap(*map, folder, source));
+    }
+
+    static ReadResult readTerrainOrScene(const std::string& path, bool exists,
+                                         const osgDB::Options* given)
+    {
+        const Result<ReaderOptions> options = parseOptions(given);
+        if (!options)
+            return failed(path + ": " + options.error().message);
+        Error reason;
+        if (exists)
+        {
+            const Result<TerrainModel> model = loadRaster(path, options->cellSize, options->light);
+            if (model && !options->word.empty())
+                return failed(path + ": reader option " + options->word + ": needs NAME=VALUE");
+            if (model)
+                return shown(*model);
+            reason = model.error();
+        }
+        // No raster: perhaps a scene, or a name that another pseudo-loader takes apart.
+        ReadResult scene =
+            osgDB::Registry::instance()->readNode(path, optionsAt(given, osgDB::getFilePath(path)));
+        if (scene.validNode())
+        {
+            osg::ref_ptr<TerrainLighting> node = createLighting(options->light);
+            node->addChild(scene.getNode());
+            node->setKeysEnabled(true);
+            return ReadResult(node.get());
+        }
+        if (!exists)
+            return ReadResult::FILE_NOT_FOUND;
+        return failed(scene.status() == ReadResult::ERROR_IN_READING_FILE
+                          ? path + ": " + scene.message()
+                          : reason.message);
+    }
+
+    static ReadResult shown(const TerrainModel& model)
+    {
+        for (const std::string& warning : model.warnings)
+            OSG_WARN << "osgTerrainLight: " << warning << std::endl;
+        for (const std::string& note : model.notes)
+            OSG_NOTICE << "osgTerrainLight: " << note << std::endl;
+        model.node->setKeysEnabled(true);
+        return ReadResult(model.node.get());
+    }
+};
+
+REGISTER_OSGPLUGIN(terrainlight, ReaderWriterTerrainLight)
+
+} // namespace osgTerrainLight

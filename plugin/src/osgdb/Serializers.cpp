@@ -1,0 +1,90 @@
+#include <osgTerrainLight/TerrainLighting.h>
+
+#include <osgDB/InputStream>
+#include <osgDB/ObjectWrapper>
+#include <osgDB/OutputStream>
+
+#include <string>
+
+// SkyLight: radiance and irradiance, then angles [degrees].
+static bool checkSkyLight(const osgTerrainLight::TerrainLighting&)
+{
+    return true;
+}
+
+static bool readSkyLight(osgDB::InputStream& is, osgTerrainLight::TerrainLighting& node)
+{
+    osgTerrainLight::SkyLight sky;
+    is >> is.BEGIN_BRACKET;
+    is >> is.PROPERTY("Sky") >> sky.skyEnabled;
+    for (float& channel : sky.skyRadiance)
+        is >> channel;
+    is >> is.PROPERTY("Sun") >> sky.sunEnabled >> sky.sunAzimuth >> sky.sunElevation >>
+        sky.sunAngularRadius;
+    for (float& channel : sky.sunIrradiance)
+        is >> channel;
+    is >> is.END_BRACKET;
+    node.setSkyLight(sky);
+    return true;
+}
+
+static bool writeSkyLight(osgDB::OutputStream& os, const osgTerrainLight::TerrainLighting& node)
+{
+    const osgTerrainLight::SkyLight& sky = node.getSkyLight();
+    os << os.BEGIN_BRACKET << std::endl;
+    os << os.PROPERTY("Sky") << sky.skyEnabled;
+    for (float channel : sky.skyRadiance)
+        os << channel;
+    os << std::endl;
+    os << os.PROPERTY("Sun") << sky.sunEnabled << sky.sunAzimuth << sky.sunElevation
+       << sky.sunAngularRadius;
+    for (float channel : sky.sunIrradiance)
+        os << channel;
+    os << std::endl << os.END_BRACKET << std::endl;
+    return true;
+}
+
+static bool checkSettings(const osgTerrainLight::TerrainLighting&)
+{
+    return true;
+}
+
+static bool readSettings(osgDB::InputStream& is, osgTerrainLight::TerrainLighting& node)
+{
+    osgTerrainLight::LightingSettings settings;
+    std::string quality;
+    is >> is.BEGIN_BRACKET;
+    is >> is.PROPERTY("Azimuths") >> settings.azimuths;
+    is >> is.PROPERTY("Quality") >> quality;
+    is >> is.PROPERTY("Exposure") >> settings.exposure;
+    is >> is.END_BRACKET;
+    if (!osgTerrainLight::fromString(quality, settings.quality))
+        OSG_WARN << "osgTerrainLight: quality " << quality << " read from file: needs draft, "
+                 << "normal or best" << std::endl;
+    node.setSettings(settings);
+    return true;
+}
+
+static bool writeSettings(osgDB::OutputStream& os, const osgTerrainLight::TerrainLighting& node)
+{
+    const osgTerrainLight::LightingSettings& settings = node.getSettings();
+    os << os.BEGIN_BRACKET << std::endl;
+    os << os.PROPERTY("Azimuths") << settings.azimuths << std::endl;
+    os << os.PROPERTY("Quality") << std::string(toString(settings.quality)) << std::endl;
+    os << os.PROPERTY("Exposure") << settings.exposure << std::endl;
+    os << os.END_BRACKET << std::endl;
+    return true;
+}
+
+REGISTER_OBJECT_WRAPPER(osgTerrainLight_TerrainLighting, new osgTerrainLight::TerrainLighting,
+                        osgTerrainLight::TerrainLighting,
+                        "osg::Object osg::Node osg::Group osgTerrainLight::TerrainLighting")
+{
+    ADD_USER_SERIALIZER(SkyLight);
+    ADD_USER_SERIALIZER(Settings);
+    ADD_BOOL_SERIALIZER(LightEnabled, true);
+    ADD_DOUBLE_SERIALIZER(TimeBudget, 50.0);
+    ADD_UINT_SERIALIZER(TextureUnit, osgTerrainLight::ShadingTexture::defaultUnit);
+    ADD_BOOL_SERIALIZER(DefaultProgramEnabled, true);
+    ADD_BOOL_SERIALIZER(KeysEnabled, false);
+}

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <osgTerrainLight/Export.h>
+#include <osgTerrainLight/ShadingTexture.h>
+
+#include <osg/Program>
+#include <osg/StateSet>
+#include <osg/Texture2D>
+
+#include <string>
+#include <vector>
+
+namespace osgTerrainLight
+{
+
+/// Puts a shading texture on a host's StateSet, and takes it off when destroyed: the StateSet is
+/// then what it was, but for what the host itself changed meanwhile.
+class OSGTERRAINLIGHT_EXPORT ShadingBinding
+{
+public:
+    /// program: null where the host's own shaders read the texture.
+    ShadingBinding(osg::StateSet* stateSet, osg::Texture2D* shading, unsigned unit,
+                   const ShadingCoordinates& coordinates, osg::Program* program);
+    ~ShadingBinding();
+    ShadingBinding(const ShadingBinding&) = delete;
+    ShadingBinding& operator=(const ShadingBinding&) = delete;
+
+    osg::StateSet* stateSet() const { return _stateSet.get(); }
+
+    /// Whether texture unit 0 holds the tile's colours. Effective with a program.
+    void setHasColour(bool hasColour);
+
+private:
+    void add(osg::Uniform* uniform);
+
+    osg::ref_ptr<osg::StateSet> _stateSet;
+    osg::ref_ptr<osg::Texture2D> _shading;
+    osg::ref_ptr<osg::Program> _program;
+    unsigned _unit;
+
+    struct Slot
+    {
+        std::string name;
+        osg::ref_ptr<osg::Uniform> ours;
+        osg::StateSet::RefUniformPair theirs; ///< null where there was none
+    };
+    std::vector<Slot> _uniforms;
+    osg::StateSet::RefAttributePair _theirTexture, _theirProgram;
+    osg::StateSet::TextureModeList _theirTextureModes;
+    std::size_t _theirTextureUnits = 0;
+    osg::ref_ptr<osg::Uniform> _hasColour;
+};
+
+/// The program for stock osgTerrain tiles, from shaders/host.
+OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Program> createDefaultProgram();
+
+} // namespace osgTerrainLight

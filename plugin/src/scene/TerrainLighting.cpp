@@ -1,0 +1,591 @@
+#include <osgTerrainLight/TerrainLighting.h>
+
+#include "io/LightParameters.h"
+#include "scene/KeyHandler.h"
+#include "scene/ShadingBinding.h"
+#include "scene/TerrainTileReader.h"
+#include "scene/TileSet.h"
+
+#include <osg/Camera>
+#include <osg/Drawable>
+#include <osg/Notify>
+#include <osgGA/EventVisitor>
+#include <osgTerrain/GeometryTechnique>
+#include <osgTerrain/Terrain>
+#include <osgUtil/CullVisitor>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <deque>
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+bool same(const SkyLight& a, const SkyLight& b)
+{
+    return a.skyEnabled == b.skyEnabled && a.skyRadiance == b.skyRadiance &&
+           a.sunEnabled == b.sunEnabled && a.sunAzimuth == b.sunAzimuth &&
+           a.sunElevation == b.sunElevation && a.sunIrradiance == b.sunIrradiance &&
+           a.sunAngularRadius == b.sunAngularRadius;
+}
+
+void warn(const std::string& sentence)
+{
+    OSG_WARN << "osgTerrainLight: " << sentence << std::endl;
+}
+
+std::string nameOf(const osgTerrain::TerrainTile& tile)
+{
+    const osgTerrain::TileID& id = tile.getTileID();
+    if (!tile.getName().empty())
+        return "terrain tile \"" + tile.getName() + "\"";
+    if (!id.valid())
+        return "terrain tile";
+    return "terrain tile " + std::to_string(id.level) + "/" + std::to_string(id.x) + "/" +
+           std::to_string(id.y);
+}
+
+/// Runs the tiles' compute stages when drawn.
+class ComputeDrawable : public osg::Drawable
+{
+public:
+    explicit ComputeDrawable(TileSet* tiles) : _tiles(tiles)
+    {
+        setCullingActive(false);
+        setSupportsDisplayList(false);
+        setUseDisplayList(false);
+    }
+    osg::Object* cloneType() const override { return new ComputeDrawable(_tiles); }
+    osg::Object* clone(const osg::CopyOp&) const override { return cloneType(); }
+    const char* libraryName() const override { return "osgTerrainLight"; }
+    const char* className() const override { return "ComputeDrawable"; }
+
+    void drawImplementation(osg::RenderInfo& renderInfo) const override
+    {
+        _tiles->compute(*renderInfo.getState());
+    }
+    void compileGLObjects(osg::RenderInfo&) const override {}
+    osg::BoundingBox computeBoundingBox() const override { return {}; }
+
+private:
+    osg::ref_ptr<TileSet> _tiles;
+};
+
+/// What decides whether a tile must be read again.
+struct TileVersion
+{
+    const osgTerrain::Layer* layer = nullptr;
+    unsigned modified = 0;
+    float verticalScale = 1.0f;
+    osg::Matrixd toScene;
+
+    bool operator==(const TileVersion& other) const
+    {
+        return layer == other.layer && modified == other.modified &&
+               verticalScale == other.verticalScale && toScene == other.toScene;
+    }
+};
+
+TileVersion versionOf(const osgTerrain::TerrainTile& tile, const osg::Matrixd& toScene)
+{
+    const osgTerrain::Layer* layer = tile.getElevationLayer();
+    return {layer, layer ? layer->getModifiedCount() : 0,
+            tile.getTerrain() ? tile.getTerrain()->getVerticalScale() : 1.0f, toScene};
+}
+
+bool hasColour(const osgTerrain::TerrainTile& tile)
+{
+    const osgTerrain::Layer* layer = tile.getNumColorLayers() > 0 ? tile.getColorLayer(0) : nullptr;
+    // A contour layer's image is a ramp of colours over height, not a picture.
+    return layer && layer->getImage() && !dynamic_cast<const osgTerrain::ContourLayer*>(layer);
+}
+
+/// A tile that the visitor has come across.
+struct FoundTile
+{
+    osgTerrain::TerrainTile* tile = nullptr;
+    osg::Matrixd toScene;
+    bool hasProgram = false; ///< of its own or from above, up to TerrainLighting
+    std::vector<TilePart> parts;
+};
+
+class TileFinder : public osg::NodeVisitor
+{
+public:
+    explicit TileFinder(bool hasProgram)
+        : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN), _hasProgram(hasProgram)
+    {
+    }
+
+    std::vector<FoundTile> found;
+
+    void apply(osg::Node& node) override
+    {
+        // Changes below reach TerrainLighting through dirty bounds, and only from a node whose
+        // bound was computed.
+        node.getBound();
+        const bool above = _hasProgram;
+        const osg::StateSet* stateSet = node.getStateSet();
+        const osg::StateAttribute* program =
+            stateSet ? stateSet->getAttribute(osg::StateAttribute::PROGRAM) : nullptr;
+        _hasProgram = _hasProgram || (program && !dynamic_cast<const TileProgram*>(program));
+        auto* tile = dynamic_cast<osgTerrain::TerrainTile*>(&node);
+        if (tile && !_inTile)
+        {
+            found.push_back({tile, osg::computeLocalToWorld(getNodePath()), _hasProgram, {}});
+            _tileDepth = getNodePath().size();
+            _inTile = true;
+            traverse(node); // the technique makes its geometry at the first traversal
+            _inTile = false;
+        }
+        else
+            traverse(node);
+        _hasProgram = above;
+    }
+    void apply(osg::Drawable& drawable) override
+    {
+        if (!_inTile || !drawable.asGeometry())
+            return;
+        const osg::NodePath& path = getNodePath();
+        const osg::NodePath below(path.begin() + static_cast<std::ptrdiff_t>(_tileDepth),
+                                  path.end());
+        found.back().parts.push_back({drawable.asGeometry(), osg::computeLocalToWorld(below)});
+    }
+
+private:
+    bool _hasProgram;
+    bool _inTile = false;
+    std::size_t _tileDepth = 0;
+};
+} // namespace
+
+/// What TerrainLighting keeps per tile, and the node that computes.
+class TerrainLighting::Tiles
+{
+public:
+    explicit Tiles(TerrainLighting& owner) : set(new TileSet), _owner(owner)
+    {
+        _drawable = new ComputeDrawable(set);
+        camera = new osg::Camera;
+        camera->setRenderOrder(osg::Camera::PRE_RENDER, -1000);
+        camera->setReferenceFrame(osg::Transform::ABSOLUTE_RF);
+        camera->setComputeNearFarMode(osg::CullSettings::DO_NOT_COMPUTE_NEAR_FAR);
+        camera->setClearMask(0);
+        camera->setCullingActive(false);
+        camera->setAllowEventFocus(false);
+        camera->addChild(_drawable);
+    }
+
+    /// Finds tiles that came, went or changed. In update traversal, after the children.
+    void update()
+    {
+        retire();
+        _owner.getBound();
+        for (const auto& [tile, entry] : _found)
+            if (!(versionOf(*tile, entry.toScene) == entry.version))
+                structureChanged = true;
+        if (structureChanged.exchange(false))
+            find();
+        for (auto& [tile, entry] : _found)
+        {
+            if (entry.lit.binding)
+                entry.lit.binding->setHasColour(hasColour(*tile));
+            if (entry.lit.binding && entry.byTexCoord)
+            {
+                // The technique makes new geometry where a neighbour asks for it.
+                TileFinder finder(false);
+                tile->accept(finder);
+                addTileCoordinates(*tile, finder.found.front().parts);
+            }
+        }
+    }
+
+    bool add(const DemTile& dem, osg::StateSet* stateSet, const ShadingCoordinates& coordinates,
+             bool program)
+    {
+        if (!stateSet || dem.width() < 1 || dem.height() < 1 || _added.count(stateSet))
+            return false;
+        takeFrom(stateSet);
+        Lit& lit = _added[stateSet];
+        lit = light(dem, "added tile");
+        bind(lit, stateSet, coordinates, program);
+        return true;
+    }
+
+    void remove(osg::StateSet* stateSet)
+    {
+        const auto found = _added.find(stateSet);
+        if (found == _added.end())
+            return;
+        release(found->second);
+        _added.erase(found);
+    }
+
+    template <class F>
+    void forEach(F&& f) const
+    {
+        for (const auto& [tile, entry] : _found)
+            if (entry.lit.tile)
+                f(*entry.lit.tile);
+        for (const auto& [stateSet, lit] : _added)
+            f(*lit.tile);
+    }
+
+    /// Counts of tiles that are gone.
+    std::map<std::string, unsigned> pastDispatches;
+
+    osg::ref_ptr<TileSet> set;
+    osg::ref_ptr<osg::Camera> camera;
+    mutable std::atomic<bool> structureChanged{true};
+
+private:
+    struct Lit
+    {
+        osg::ref_ptr<LitTile> tile;
+        std::shared_ptr<ShadingBinding> binding;
+    };
+    struct Entry
+    {
+        osg::ref_ptr<osgTerrain::TerrainTile> tile;
+        osg::Matrixd toScene;
+        TileVersion version;
+        Lit lit;
+        bool ownStateSet = false; ///< the tile had none before
+        bool byTexCoord = false;
+        bool seen = false;
+    };
+    /// A binding that frames still being drawn may use.
+    struct Retired
+    {
+        std::shared_ptr<ShadingBinding> binding;
+        osg::ref_ptr<osgTerrain::TerrainTile> emptied; ///< its StateSet is ours to take off
+        int updates = 3;                               ///< frames that a threaded viewer has going
+    };
+
+    Lit light(const DemTile& dem, const std::string& name)
+    {
+        Lit lit;
+        lit.tile = new LitTile(name, new TileLighting(dem, _owner._settings, _owner._sky));
+        set->add(lit.tile);
+        return lit;
+    }
+
+    void bind(Lit& lit, osg::StateSet* stateSet, const ShadingCoordinates& coordinates,
+              bool withProgram)
+    {
+        osg::ref_ptr<osg::Program> program;
+        if (withProgram)
+        {
+            if (!_program)
+                _program = createDefaultProgram();
+            program = new TileProgram(_program, set, lit.tile);
+        }
+        lit.binding = std::make_shared<ShadingBinding>(stateSet, lit.tile->lighting().shading(),
+                                                       _owner._textureUnit, coordinates, program);
+    }
+
+    void release(Lit& lit, osgTerrain::TerrainTile* emptied = nullptr)
+    {
+        if (lit.tile)
+        {
+            set->remove(lit.tile);
+            for (const StageCost& cost : lit.tile->lighting().costs())
+                pastDispatches[cost.name] += cost.dispatches;
+        }
+        if (lit.binding)
+            _retired.push_back({std::move(lit.binding), emptied});
+        lit = Lit();
+    }
+
+    void retire()
+    {
+        for (Retired& retired : _retired)
+            --retired.updates;
+        while (!_retired.empty() && _retired.front().updates <= 0)
+        {
+            take(_retired.front());
+            _retired.pop_front();
+        }
+    }
+
+    static void take(Retired& retired)
+    {
+        const osg::ref_ptr<osg::StateSet> stateSet = retired.binding->stateSet();
+        retired.binding.reset();
+        const osg::ref_ptr<osg::StateSet> empty = new osg::StateSet;
+        if (retired.emptied && retired.emptied->getStateSet() == stateSet &&
+            stateSet->compare(*empty, true) == 0)
+            retired.emptied->setStateSet(nullptr);
+    }
+
+    /// Removes what is still bound to a StateSet that is about to be bound anew.
+    void takeFrom(const osg::StateSet* stateSet)
+    {
+        for (auto i = _retired.begin(); stateSet && i != _retired.end();)
+            if (i->binding->stateSet() == stateSet)
+            {
+                take(*i);
+                i = _retired.erase(i);
+            }
+            else
+                ++i;
+    }
+
+    void find()
+    {
+        bool hasProgram = false;
+        for (const osg::NodePath& path : _owner.getParentalNodePaths())
+            for (const osg::Node* node : path)
+                hasProgram =
+                    hasProgram || (node->getStateSet() &&
+                                   node->getStateSet()->getAttribute(osg::StateAttribute::PROGRAM));
+        TileFinder finder(hasProgram);
+        for (unsigned i = 0; i < _owner.getNumChildren(); ++i)
+            _owner.getChild(i)->accept(finder);
+
+        for (auto& [tile, entry] : _found)
+            entry.seen = false;
+        for (const FoundTile& found : finder.found)
+            use(found);
+        for (auto i = _found.begin(); i != _found.end();)
+            if (i->second.seen)
+                ++i;
+            else
+            {
+                release(i->second.lit, i->second.ownStateSet ? i->first : nullptr);
+                i = _found.erase(i);
+            }
+    }
+
+    void use(const FoundTile& found)
+    {
+        osgTerrain::TerrainTile& tile = *found.tile;
+        if (tile.getStateSet() && _added.count(tile.getStateSet()))
+            return; // the host takes care of it
+        Entry& entry = _found[&tile];
+        const TileVersion version = versionOf(tile, found.toScene);
+        const bool known = entry.tile != nullptr;
+        const bool again = known && entry.seen; // it stands in several places: the first one counts
+        entry.seen = true;
+        if (again || (known && entry.version == version))
+            return;
+        if (known)
+            release(entry.lit, entry.ownStateSet ? &tile : nullptr);
+        takeFrom(tile.getStateSet());
+        entry.tile = &tile;
+        entry.toScene = found.toScene;
+        entry.version = version;
+        if (!version.layer)
+            return; // may come later
+        const Result<DemTile> dem = readTerrainTile(tile, found.toScene);
+        if (!dem)
+        {
+            warn(nameOf(tile) + " is drawn unlit: " + dem.error().message);
+            return;
+        }
+        std::optional<ShadingCoordinates> coordinates = affineCoordinates(tile, found.parts);
+        entry.byTexCoord = !coordinates;
+        if (!coordinates)
+        {
+            addTileCoordinates(tile, found.parts);
+            coordinates = ShadingCoordinates();
+        }
+        // Other techniques move vertices in shaders of their own.
+        const bool stock = dynamic_cast<const osgTerrain::GeometryTechnique*>(
+                               tile.getTerrainTechnique()) != nullptr;
+        entry.lit = light(*dem, nameOf(tile));
+        entry.ownStateSet = !tile.getStateSet();
+        bind(entry.lit, tile.getOrCreateStateSet(), *coordinates,
+             _owner._defaultProgramEnabled && stock && !found.hasProgram);
+        entry.lit.binding->setHasColour(hasColour(tile));
+    }
+
+    TerrainLighting& _owner;
+    osg::ref_ptr<ComputeDrawable> _drawable;
+    osg::ref_ptr<osg::Program> _program;
+    std::map<osgTerrain::TerrainTile*, Entry> _found;
+    std::map<osg::ref_ptr<osg::StateSet>, Lit> _added;
+    std::deque<Retired> _retired;
+};
+
+TerrainLighting::TerrainLighting() : _tiles(new Tiles(*this))
+{
+    setNumChildrenRequiringUpdateTraversal(1);
+    applyExposure();
+}
+
+TerrainLighting::TerrainLighting(const TerrainLighting& other, const osg::CopyOp& copyop)
+    : osg::Group(other, copyop), _sky(other._sky), _settings(other._settings),
+      _defaultProgramEnabled(other._defaultProgramEnabled), _textureUnit(other._textureUnit),
+      _tiles(new Tiles(*this))
+{
+    setNumChildrenRequiringUpdateTraversal(getNumChildrenRequiringUpdateTraversal() + 1);
+    applyExposure();
+    setLightEnabled(other._lightEnabled);
+    setTimeBudget(other.getTimeBudget());
+    setKeysEnabled(other.getKeysEnabled());
+}
+
+TerrainLighting::~TerrainLighting() = default;
+
+void TerrainLighting::setSkyLight(const SkyLight& sky)
+{
+    const std::string problem = complaint(sky);
+    if (!problem.empty())
+        warn("sky light not set: " + problem);
+    if (!problem.empty() || same(sky, _sky))
+        return;
+    _sky = sky;
+    _tiles->forEach([&](LitTile& tile) { tile.lighting().setSky(sky); });
+    _tiles->set->touch();
+}
+
+void TerrainLighting::setSettings(const LightingSettings& settings)
+{
+    const std::string problem = complaint(settings);
+    if (!problem.empty())
+    {
+        warn("settings not set: " + problem);
+        return;
+    }
+    const bool brightness = settings.exposure != _settings.exposure;
+    _settings = settings;
+    if (brightness)
+        applyExposure();
+    _tiles->forEach(
+        [&](LitTile& tile)
+        {
+            tile.lighting().setSettings(settings);
+            tile.retry();
+        });
+    _tiles->set->touch();
+}
+
+void TerrainLighting::applyExposure()
+{
+    // A new one each time: threads that draw the frame before still read the old one.
+    _exposure = new osg::StateSet;
+    _exposure->addUniform(new osg::Uniform(ShadingTexture::exposure,
+                                           static_cast<float>(std::exp2(_settings.exposure))));
+}
+
+void TerrainLighting::setLightEnabled(bool enabled)
+{
+    _lightEnabled = enabled;
+    _tiles->set->enabled = enabled;
+}
+
+void TerrainLighting::setTimeBudget(double milliseconds)
+{
+    if (milliseconds >= 0.0)
+        _tiles->set->budget = milliseconds;
+    else
+        warn("time budget not set: needs 0 ms or more");
+}
+
+double TerrainLighting::getTimeBudget() const
+{
+    return _tiles->set->budget;
+}
+
+void TerrainLighting::setKeysEnabled(bool enabled)
+{
+    if (enabled == getKeysEnabled())
+        return;
+    _keys = enabled ? new KeyHandler(*this) : nullptr;
+    const unsigned others = getNumChildrenRequiringEventTraversal();
+    setNumChildrenRequiringEventTraversal(enabled ? others + 1 : others - 1);
+}
+
+bool TerrainLighting::getKeysEnabled() const
+{
+    return _keys.valid();
+}
+
+bool TerrainLighting::addTile(const DemTile& tile, osg::StateSet* stateSet,
+                              const ShadingCoordinates& coordinates, bool program)
+{
+    const bool added = _tiles->add(tile, stateSet, coordinates, program);
+    if (!added)
+        warn("tile not added: needs at least one post, and a StateSet that has none yet");
+    return added;
+}
+
+void TerrainLighting::removeTile(osg::StateSet* stateSet)
+{
+    _tiles->remove(stateSet);
+}
+
+std::size_t TerrainLighting::getTileCount() const
+{
+    std::size_t count = 0;
+    _tiles->forEach([&](LitTile&) { ++count; });
+    return count;
+}
+
+std::map<std::string, unsigned> TerrainLighting::getDispatchCounts() const
+{
+    std::map<std::string, unsigned> counts = _tiles->pastDispatches;
+    _tiles->forEach(
+        [&](LitTile& tile)
+        {
+            for (const StageCost& cost : tile.lighting().costs())
+                counts[cost.name] += cost.dispatches;
+        });
+    return counts;
+}
+
+unsigned TerrainLighting::getDispatchCount() const
+{
+    unsigned sum = 0;
+    for (const auto& [stage, count] : getDispatchCounts())
+        sum += count;
+    return sum;
+}
+
+void TerrainLighting::traverse(osg::NodeVisitor& visitor)
+{
+    if (osgUtil::CullVisitor* cull = visitor.asCullVisitor())
+    {
+        const osg::State* state = cull->getState();
+        if (!state || !_tiles->set->isDone(state->getContextID()))
+            _tiles->camera->accept(visitor);
+        cull->pushStateSet(_exposure);
+        osg::Group::traverse(visitor);
+        cull->popStateSet();
+        return;
+    }
+    osgGA::EventVisitor* events = _keys ? visitor.asEventVisitor() : nullptr;
+    if (events)
+        for (const auto& event : events->getEvents())
+            _keys->handle(event, this, &visitor);
+    osg::Group::traverse(visitor);
+    if (visitor.getVisitorType() == osg::NodeVisitor::UPDATE_VISITOR)
+        _tiles->update();
+}
+
+osg::BoundingSphere TerrainLighting::computeBound() const
+{
+    _tiles->structureChanged = true; // something below has changed
+    return osg::Group::computeBound();
+}
+
+void TerrainLighting::releaseGLObjects(osg::State* state) const
+{
+    osg::Group::releaseGLObjects(state);
+    _tiles->forEach([&](LitTile& tile) { tile.lighting().releaseGLObjects(state); });
+    _tiles->set->forget(state ? state->getContextID() : ~0u);
+    _tiles->camera->releaseGLObjects(state);
+}
+
+void TerrainLighting::resizeGLObjectBuffers(unsigned size)
+{
+    osg::Group::resizeGLObjectBuffers(size);
+    _tiles->forEach([&](LitTile& tile) { tile.lighting().resizeGLObjectBuffers(size); });
+    _tiles->camera->resizeGLObjectBuffers(size);
+}
+
+} // namespace osgTerrainLight

@@ -1,0 +1,220 @@
+#include "scene/TerrainModel.h"
+
+#include "scene/TerrainTileReader.h"
+
+#include <osg/Image>
+#include <osg/MatrixTransform>
+#include <osg/Shape>
+#include <osgDB/FileNameUtils>
+#include <osgTerrain/GeometryTechnique>
+#include <osgTerrain/Layer>
+#include <osgTerrain/Locator>
+#include <osgTerrain/TerrainTile>
+#include <osgTerrain/ValidDataOperator>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+/// Of a void post in a height field: no valid height of a DemTile is as low.
+constexpr float voidHeight = -2.0e6f;
+
+osg::ref_ptr<osg::HeightField> heightFieldOf(const DemTile& tile)
+{
+    osg::ref_ptr<osg::HeightField> field = new osg::HeightField;
+    field->allocate(static_cast<unsigned>(tile.width()), static_cast<unsigned>(tile.height()));
+    for (int row = 0; row < tile.height(); ++row)
+        for (int column = 0; column < tile.width(); ++column)
+            field->setHeight(static_cast<unsigned>(column), static_cast<unsigned>(row),
+                             tile.isValid(column, row) ? tile.heightAt(column, row) : voidHeight);
+    return field;
+}
+
+/// Layers over white, as large as the largest of them.
+osg::ref_ptr<osg::Image> composed(const std::vector<ColourImage>& layers)
+{
+    int width = 0, height = 0;
+    for (const ColourImage& layer : layers)
+    {
+        width = std::max(width, layer.width);
+        height = std::max(height, layer.height);
+    }
+    osg::ref_ptr<osg::Image> image = new osg::Image;
+    image->allocateImage(width, height, 1, GL_RGB, GL_UNSIGNED_BYTE);
+    std::fill_n(image->data(), image->getTotalSizeInBytes(), static_cast<unsigned char>(255));
+    for (const ColourImage& layer : layers)
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+            {
+                const int fromX = static_cast<int>(static_cast<long long>(x) * layer.width / width);
+                const int fromY =
+                    static_cast<int>(static_cast<long long>(y) * layer.height / height);
+                const std::uint8_t* from =
+                    layer.pixels.data() +
+                    4 * (static_cast<std::ptrdiff_t>(fromY) * layer.width + fromX);
+                unsigned char* to = image->data(static_cast<unsigned>(x), static_cast<unsigned>(y));
+                const int alpha = from[3];
+                for (int c = 0; c < 3; ++c)
+                    to[c] = static_cast<unsigned char>(
+                        (from[c] * alpha + to[c] * (255 - alpha) + 127) / 255);
+            }
+    return image;
+}
+
+std::string baseName(const std::string& path)
+{
+    return osgDB::getSimpleFileName(path);
+}
+
+/// A DEM with as many posts as are drawn.
+Result<DemFile> readDrawn(const std::string& path, std::optional<double> cellSize)
+{
+    DemReadOptions options;
+    options.cellSize = cellSize;
+    Result<DemFile> file = readDemReduced(path, options, mostDrawnPosts);
+    if (file && (file->tile.width() < 2 || file->tile.height() < 2))
+        return Error{ErrorCode::Invalid, path + ": has " + std::to_string(file->tile.width()) +
+                                             " x " + std::to_string(file->tile.height()) +
+                                             " posts; needs at least 2 x 2 to be drawn"};
+    return file;
+}
+
+void addNotes(const std::string& path, const DemFile& file, TerrainModel& model)
+{
+    for (const std::string& note : file.notes)
+        model.notes.push_back(path + ": " + note);
+}
+
+std::string resolved(const std::string& url, const std::string& folder)
+{
+    const bool whole = osgDB::isAbsolutePath(url) || url.compare(0, 4, "/vsi") == 0;
+    return whole || folder.empty() ? url : osgDB::concatPaths(folder, url);
+}
+} // namespace
+
+osg::ref_ptr<osg::Node> createTerrain(const DemTile& tile, const std::vector<ColourImage>& colours)
+{
+    assert(tile.width() > 1 && tile.height() > 1);
+    const double halfWidth = 0.5 * (tile.width() - 1) * tile.nominalEastSpacing();
+    const double halfHeight = 0.5 * (tile.height() - 1) * tile.northSpacing;
+    osg::ref_ptr<osgTerrain::Locator> locator = new osgTerrain::Locator;
+    locator->setCoordinateSystemType(osgTerrain::Locator::PROJECTED);
+    locator->setTransformAsExtents(-halfWidth, -halfHeight, halfWidth, halfHeight);
+
+    osg::ref_ptr<osgTerrain::HeightFieldLayer> heights =
+        new osgTerrain::HeightFieldLayer(heightFieldOf(tile));
+    heights->setLocator(locator);
+    heights->setValidDataOperator(new osgTerrain::NoDataValue(voidHeight));
+
+    osg::ref_ptr<osgTerrain::TerrainTile> terrain = new osgTerrain::TerrainTile;
+    terrain->setUserData(new DemData(tile));
+    terrain->setLocator(locator);
+    terrain->setElevationLayer(heights);
+    terrain->setTerrainTechnique(new osgTerrain::GeometryTechnique);
+    if (!colours.empty())
+    {
+        osg::ref_ptr<osgTerrain::ImageLayer> layer = new osgTerrain::ImageLayer(composed(colours));
+        layer->setLocator(locator);
+        terrain->setColorLayer(0, layer);
+    }
+    osg::ref_ptr<osg::MatrixTransform> placed =
+        new osg::MatrixTransform(osg::Matrix::translate(0.0, 0.0, tile.heightOrigin));
+    placed->addChild(terrain);
+    return placed;
+}
+
+osg::ref_ptr<TerrainLighting> createLighting(const LightParameters& light)
+{
+    osg::ref_ptr<TerrainLighting> node = new TerrainLighting;
+    node->setSkyLight(light.sky);
+    node->setSettings(light.settings);
+    node->setLightEnabled(light.lightEnabled);
+    return node;
+}
+
+Result<TerrainModel> loadRaster(const std::string& path, std::optional<double> cellSize,
+                                const LightParameters& light)
+{
+    const Result<DemFile> file = readDrawn(path, cellSize);
+    if (!file)
+        return file.error();
+    TerrainModel model;
+    model.node = createLighting(light);
+    osg::ref_ptr<osg::Node> terrain = createTerrain(file->tile);
+    terrain->setName(baseName(path));
+    model.node->addChild(terrain);
+    addNotes(path, *file, model);
+    return model;
+}
+
+TerrainModel loadMap(const EarthMap& map, const std::string& folder, const std::string& source)
+{
+    TerrainModel model;
+    model.node = createLighting(map.light);
+    model.node->setName(map.name);
+    model.notes = map.notes;
+    const auto leaveOut = [&](const EarthLayer& layer, const std::string& reason)
+    {
+        model.warnings.push_back(source + ":" + std::to_string(layer.line) + ": left out layer \"" +
+                                 layer.name + "\": " + reason);
+    };
+
+    std::optional<DemTile> tile;
+    for (const EarthLayer& layer : map.elevations)
+    {
+        if (tile)
+        {
+            leaveOut(layer, "only the first elevation that can be read is used");
+            continue;
+        }
+        const std::string path = resolved(layer.url, folder);
+        const Result<DemFile> file = readDrawn(path, std::nullopt);
+        if (!file)
+        {
+            leaveOut(layer, file.error().message);
+            continue;
+        }
+        tile = file->tile;
+        addNotes(path, *file, model);
+    }
+    std::vector<ColourImage> colours;
+    for (const EarthLayer& layer : map.images)
+    {
+        const std::string path = resolved(layer.url, folder);
+        if (!tile)
+        {
+            const Result<DemTile> level = levelTileUnder(path);
+            if (level)
+            {
+                tile = *level;
+                model.notes.push_back(source + ": no elevation, so the terrain is level");
+            }
+            else
+            {
+                leaveOut(layer, level.error().message);
+                continue;
+            }
+        }
+        Result<ColourImage> colour = readColour(path, *tile);
+        if (colour)
+            colours.push_back(std::move(*colour));
+        else
+            leaveOut(layer, colour.error().message);
+    }
+    if (tile)
+    {
+        osg::ref_ptr<osg::Node> terrain = createTerrain(*tile, colours);
+        terrain->setName(map.name);
+        model.node->addChild(terrain);
+    }
+    else
+        model.warnings.push_back(source + ": no layer could be read; the map is empty");
+    return model;
+}
+
+} // namespace osgTerrainLight

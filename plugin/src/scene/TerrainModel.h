@@ -1,0 +1,46 @@
+#pragma once
+
+#include "core/Result.h"
+#include "io/EarthFile.h"
+#include "io/LightParameters.h"
+#include "io/MapReader.h"
+#include <osgTerrainLight/Export.h>
+#include <osgTerrainLight/TerrainLighting.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace osgTerrainLight
+{
+
+/// A scene made from files, and what there is to say about it, one sentence each.
+struct TerrainModel
+{
+    osg::ref_ptr<TerrainLighting> node;
+    std::vector<std::string> warnings; ///< parts that are missing from the scene
+    std::vector<std::string> notes;    ///< assumptions
+};
+
+/// Most posts a side of a raster that is drawn whole; larger ones are averaged down.
+constexpr int mostDrawnPosts = 2048;
+
+/// The tile as an osgTerrain::TerrainTile in metres: x east, y north, from its middle; z above the
+/// vertical datum. Voids have no geometry. colours: bottom first, over white. Precondition: at
+/// least 2 × 2 posts.
+OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Node>
+createTerrain(const DemTile& tile, const std::vector<ColourImage>& colours = {});
+
+/// A node with the light that people asked for, without terrain.
+OSGTERRAINLIGHT_EXPORT osg::ref_ptr<TerrainLighting> createLighting(const LightParameters& light);
+
+/// A lit DEM. cellSize [m]: of a raster without geotransform.
+OSGTERRAINLIGHT_EXPORT Result<TerrainModel>
+loadRaster(const std::string& path, std::optional<double> cellSize, const LightParameters& light);
+
+/// A lit map; layers that cannot be read are left out, with a warning each. folder: what relative
+/// URLs start from. source: what messages call the map.
+OSGTERRAINLIGHT_EXPORT TerrainModel loadMap(const EarthMap& map, const std::string& folder,
+                                            const std::string& source);
+
+} // namespace osgTerrainLight

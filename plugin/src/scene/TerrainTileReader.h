@@ -1,0 +1,52 @@
+#pragma once
+
+#include "core/Result.h"
+#include <osgTerrainLight/DemTile.h>
+#include <osgTerrainLight/Export.h>
+#include <osgTerrainLight/ShadingTexture.h>
+
+#include <osg/Geometry>
+#include <osg/Referenced>
+#include <osgTerrain/TerrainTile>
+
+#include <optional>
+#include <vector>
+
+namespace osgTerrainLight
+{
+
+/// The DEM that a tile's height field was made from, as the tile's user data: it knows what a
+/// height field does not, such as each row's east spacing.
+class DemData : public osg::Referenced
+{
+public:
+    explicit DemData(const DemTile& dem) : tile(dem) {}
+    const DemTile tile;
+
+private:
+    ~DemData() override = default;
+};
+
+/// A drawn part of a tile, and where it stands in the tile.
+struct TilePart
+{
+    osg::ref_ptr<osg::Geometry> geometry;
+    osg::Matrixd toTile; ///< from the geometry's frame to the tile's
+};
+
+/// Heights of a tile in metres, through its elevation layer and locator. toScene: from the tile's
+/// frame to that of TerrainLighting. An error where rows do not run east, or heights not up.
+OSGTERRAINLIGHT_EXPORT Result<DemTile> readTerrainTile(osgTerrain::TerrainTile& tile,
+                                                       const osg::Matrixd& toScene);
+
+/// How the vertices of the parts find their place on the tile: by position where the locator is
+/// affine, else nothing is returned.
+OSGTERRAINLIGHT_EXPORT std::optional<ShadingCoordinates>
+affineCoordinates(const osgTerrain::TerrainTile& tile, const std::vector<TilePart>& parts);
+
+/// Gives the parts' vertices tile coordinates, in set ShadingTexture::coordinateSet, where they
+/// have none yet. Only for geometry that has not been drawn.
+OSGTERRAINLIGHT_EXPORT void addTileCoordinates(const osgTerrain::TerrainTile& tile,
+                                               const std::vector<TilePart>& parts);
+
+} // namespace osgTerrainLight

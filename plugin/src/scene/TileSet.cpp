@@ -1,0 +1,186 @@
+#include "scene/TileSet.h"
+
+#include "gpu/GpuCapabilities.h"
+
+#include <osg/GLExtensions>
+#include <osg/Notify>
+
+#include <algorithm>
+#include <chrono>
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+using Lock = std::lock_guard<std::mutex>;
+}
+
+LitTile::Stage LitTile::stage(unsigned context) const
+{
+    Lock lock(_mutex);
+    const auto found = _stages.find(context);
+    return found == _stages.end() ? Stage::Waiting : found->second;
+}
+
+void LitTile::setStage(unsigned context, Stage stage)
+{
+    Lock lock(_mutex);
+    _stages[context] = stage;
+}
+
+void LitTile::forget(unsigned context)
+{
+    Lock lock(_mutex);
+    if (context == ~0u)
+        _stages.clear();
+    else
+        _stages.erase(context);
+}
+
+void LitTile::retry()
+{
+    Lock lock(_mutex);
+    for (auto& [context, stage] : _stages)
+        if (stage == Stage::Failed)
+            stage = Stage::Waiting;
+}
+
+void TileSet::add(LitTile* tile)
+{
+    Lock lock(_mutex);
+    _tiles.emplace_back(tile);
+    touch();
+}
+
+void TileSet::remove(LitTile* tile)
+{
+    Lock lock(_mutex);
+    _tiles.erase(std::remove(_tiles.begin(), _tiles.end(), tile), _tiles.end());
+}
+
+void TileSet::forget(unsigned context)
+{
+    Lock lock(_mutex);
+    for (const auto& tile : _tiles)
+        tile->forget(context);
+    if (context == ~0u)
+        _contexts.clear();
+    else
+        _contexts.erase(context);
+}
+
+bool TileSet::isDone(unsigned context) const
+{
+    if (!enabled)
+        return true;
+    Lock lock(_mutex);
+    const auto found = _contexts.find(context);
+    return found == _contexts.end() ? _tiles.empty()
+                                    : (found->second.asked && !found->second.supported) ||
+                                          found->second.done == _revision;
+}
+
+bool TileSet::supports(osg::State& state, Context& context)
+{
+    if (context.asked)
+        return context.supported;
+    context.asked = true;
+    const Result<GpuCapabilities> found = GpuCapabilities::query(state);
+    context.supported = found.ok();
+    if (!found && !_warned)
+        OSG_WARN << "osgTerrainLight: " << found.error().message << "; drawing unlit" << std::endl;
+    _warned = _warned || !found;
+    return context.supported;
+}
+
+void TileSet::compute(osg::State& state)
+{
+    using Clock = std::chrono::steady_clock;
+    const unsigned id = state.getContextID();
+    const unsigned revision = _revision;
+    std::vector<osg::ref_ptr<LitTile>> tiles;
+    std::size_t first = 0;
+    {
+        Lock lock(_mutex);
+        Context& context = _contexts[id];
+        if (!supports(state, context))
+            return;
+        tiles = _tiles;
+        first = context.next;
+    }
+
+    const double limit = budget;
+    const Clock::time_point start = Clock::now();
+    bool worked = false;
+    std::size_t i = 0;
+    for (; i < tiles.size(); ++i)
+    {
+        LitTile& tile = *tiles[(first + i) % tiles.size()];
+        if (tile.stage(id) == LitTile::Stage::Failed || !tile.lighting().isDirty(id))
+            continue;
+        const double spent =
+            std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+        if (limit > 0.0 && worked && spent > limit)
+            break;
+        worked = true;
+        const Status updated = tile.lighting().update(state);
+        tile.setStage(id, updated ? LitTile::Stage::Lit : LitTile::Stage::Failed);
+        if (!updated)
+            OSG_WARN << "osgTerrainLight: " << tile.name() << ": " << updated.error().message
+                     << "; drawing it unlit" << std::endl;
+        if (limit > 0.0)
+            glFinish(); // else the clock sees dispatches being queued, not run
+    }
+
+    Lock lock(_mutex);
+    Context& context = _contexts[id];
+    if (i == tiles.size())
+        context.done = revision;
+    else
+        context.next = (first + i) % tiles.size();
+}
+
+TileProgram::TileProgram(osg::Program* program, const TileSet* tiles, const LitTile* tile)
+    : _program(program), _tiles(tiles), _tile(tile)
+{
+    setName(program->getName());
+}
+
+void TileProgram::apply(osg::State& state) const
+{
+    if (_tiles->isLit(*_tile, state.getContextID()))
+    {
+        _program->apply(state);
+        return;
+    }
+    const auto* extensions = state.get<osg::GLExtensions>();
+    if (extensions->isGlslSupported)
+        extensions->glUseProgram(0);
+    state.setLastAppliedProgramObject(nullptr);
+}
+
+int TileProgram::compare(const osg::StateAttribute& other) const
+{
+    // Two tiles' programs look alike to osg::Program, but one may be lit and the other not.
+    return this == &other ? 0 : this < &other ? -1 : 1;
+}
+
+void TileProgram::compileGLObjects(osg::State& state) const
+{
+    _program->compileGLObjects(state);
+}
+
+void TileProgram::releaseGLObjects(osg::State* state) const
+{
+    osg::Program::releaseGLObjects(state);
+    _program->releaseGLObjects(state);
+}
+
+void TileProgram::resizeGLObjectBuffers(unsigned size)
+{
+    osg::Program::resizeGLObjectBuffers(size);
+    _program->resizeGLObjectBuffers(size);
+}
+
+} // namespace osgTerrainLight

@@ -1,0 +1,113 @@
+#pragma once
+
+#include "scene/TileLighting.h"
+
+#include <osg/Program>
+#include <osg/Referenced>
+#include <osg/RenderInfo>
+
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace osgTerrainLight
+{
+
+/// A tile's lighting and, per graphics context, how far it has come.
+class LitTile : public osg::Referenced
+{
+public:
+    LitTile(std::string name, TileLighting* lighting) : _name(std::move(name)), _lighting(lighting)
+    {
+    }
+
+    const std::string& name() const { return _name; }
+    TileLighting& lighting() const { return *_lighting; }
+
+    enum class Stage
+    {
+        Waiting, ///< never computed: the host scene draws unlit
+        Lit,
+        Failed ///< said once, not tried again
+    };
+    Stage stage(unsigned context) const;
+    void setStage(unsigned context, Stage stage);
+    /// ~0u: all contexts.
+    void forget(unsigned context);
+    /// What failed may be tried again.
+    void retry();
+
+private:
+    ~LitTile() override = default;
+    std::string _name;
+    osg::ref_ptr<TileLighting> _lighting;
+    mutable std::mutex _mutex;
+    std::map<unsigned, Stage> _stages;
+};
+
+/// The tiles of one TerrainLighting as its draw traversals see them. Thread-safe.
+class TileSet : public osg::Referenced
+{
+public:
+    void add(LitTile* tile);
+    void remove(LitTile* tile);
+
+    /// Something that tiles depend on has changed.
+    void touch() { ++_revision; }
+    void forget(unsigned context);
+
+    std::atomic<bool> enabled{true};
+    std::atomic<double> budget{50.0}; ///< [ms] per frame; 0: no limit
+
+    /// Whether tile may be drawn with its shading.
+    bool isLit(const LitTile& tile, unsigned context) const
+    {
+        return enabled && tile.stage(context) == LitTile::Stage::Lit;
+    }
+
+    /// False where compute() would run a stage.
+    bool isDone(unsigned context) const;
+
+    /// Computes what has changed, in turn, within the budget. Needs a current context.
+    void compute(osg::State& state);
+
+private:
+    ~TileSet() override = default;
+
+    struct Context
+    {
+        bool asked = false, supported = false;
+        unsigned done = 0;    ///< revision at which every tile was up to date
+        std::size_t next = 0; ///< tile to begin with
+    };
+    bool supports(osg::State& state, Context& context);
+
+    mutable std::mutex _mutex;
+    std::vector<osg::ref_ptr<LitTile>> _tiles;
+    std::map<unsigned, Context> _contexts;
+    std::atomic<unsigned> _revision{1};
+    bool _warned = false;
+};
+
+/// Stands for a program where its tile is lit in the context, and for none where it is not: the
+/// host scene then draws as if nothing had been installed.
+class TileProgram : public osg::Program
+{
+public:
+    TileProgram(osg::Program* program, const TileSet* tiles, const LitTile* tile);
+
+    void apply(osg::State& state) const override;
+    int compare(const osg::StateAttribute& other) const override;
+    void compileGLObjects(osg::State& state) const override;
+    void releaseGLObjects(osg::State* state = nullptr) const override;
+    void resizeGLObjectBuffers(unsigned size) override;
+
+private:
+    osg::ref_ptr<osg::Program> _program; ///< one for all tiles
+    osg::ref_ptr<const TileSet> _tiles;
+    osg::ref_ptr<const LitTile> _tile;
+};
+
+} // namespace osgTerrainLight
