@@ -4,6 +4,7 @@
 
 #include <cpl_conv.h>
 #include <cpl_string.h>
+#include <cpl_vsi.h>
 #include <gdal_priv.h>
 #include <osg/GL>
 
@@ -57,32 +58,63 @@ CLI::Option* addCheckedNumbers(CLI::App& app, const std::string& option,
         {
             const std::optional<double> value = number(part);
             if (!value || values.size() == most)
-                throw CLI::ValidationError(option, "'" + given + "'; needs " + typeName);
+                throw CLI::ValidationError(option, "'" + given + "': needs numbers, " + typeName);
             if (const std::string wrong = complaint(values.size(), *value); !wrong.empty())
                 throw CLI::ValidationError(option, wrong);
             values.push_back(*value);
         }
         if (values.size() < fewest)
-            throw CLI::ValidationError(option, "'" + given + "'; needs " + typeName);
+            throw CLI::ValidationError(option, "'" + given + "': needs numbers, " + typeName);
         set(values);
     };
     return app.add_option_function<std::string>(option, read, help)->type_name(typeName);
 }
 
 /// Finds out before the work what else would show after it: no such folder, driver or creation
-/// option.
-Status probe(const OutputOptions& output)
+/// option, a driver without floats. bands: of floats; 0 for a picture or EXR file.
+Status probe(const OutputOptions& output, int bands)
 {
+    if (isExr(output) && !output.creationOptions.empty())
+        return Error{ErrorCode::NotSupported,
+                     output.path + ": OpenEXR files have no creation options (-co)"};
     RasterFrame pixel;
     pixel.width = pixel.height = 1;
     OutputOptions options = output;
     if (isExr(output)) // not GDAL's to write: the folder is what matters
         options.format = "GTiff";
-    Result<RasterWriter> writer =
-        RasterWriter::open(output.path, pixel, {{}}, writeOptions(options, {}));
-    if (!writer)
-        return writer.error();
-    return Nothing{}; // the writer goes, and what it made with it
+    const DeferredSignals deferred;
+    {
+        Result<RasterWriter> writer =
+            RasterWriter::open(output.path, pixel, {{}}, writeOptions(options, {}));
+        if (!writer)
+            return writer.error();
+    } // the writer goes, and what it made with it
+    if (bands == 0)
+        return Nothing{};
+
+    const std::string parent = CPLGetPath(output.path.c_str());
+    const std::string name = CPLGetFilename(output.path.c_str());
+    const std::string folder = CPLFormFilename(
+        parent.c_str(), CPLSPrintf(".%s.probe-%d", name.c_str(), int(CPLGetCurrentProcessID())),
+        nullptr);
+    const std::string path = folder + "/" + name;
+    VSIMkdir(folder.c_str(), 0755);
+    const std::vector<RasterBand> floats(static_cast<std::size_t>(bands),
+                                         {{}, Raster<float>(1, 1)});
+    Status written = writeRaster(path, pixel, floats, writeOptions(options, {}));
+    VSIRmdirRecursive(folder.c_str());
+    if (written)
+        return written;
+    std::string message = written.error().message;
+    // GDAL names the file in the folder.
+    for (std::size_t at = 0; (at = message.find(folder, at)) != std::string::npos;)
+    {
+        const std::size_t end = message.find("/" + name, at);
+        message.replace(at, end == std::string::npos ? end : end + 1 + name.size() - at,
+                        output.path);
+        at += output.path.size();
+    }
+    return Error{written.error().code, message};
 }
 
 /// Computes the light of lit.dem: what is not shared by all azimuths first, so that progress shows.
@@ -154,7 +186,9 @@ std::string text(const Rgb& c)
 
 void complain(const std::string& sentence)
 {
-    std::cerr << "terrainlight: " << sentence << std::endl;
+    // GDAL ends some of its messages with a line break.
+    std::cerr << "terrainlight: " << sentence.substr(0, sentence.find_last_not_of(" \n") + 1)
+              << std::endl;
 }
 
 void warn(const std::string& sentence)
@@ -411,7 +445,7 @@ RasterWriteOptions writeOptions(const OutputOptions& output, const Metadata& met
 }
 
 Status process(const std::string& mode, const RasterOptions& options, const SkyLight& sky,
-               SkyViewDefinition definition,
+               SkyViewDefinition definition, int bands,
                const std::function<Status(LitTile&, Progress&)>& write)
 {
     const std::string& path = options.input;
@@ -419,7 +453,7 @@ Status process(const std::string& mode, const RasterOptions& options, const SkyL
     Result<DemInfo> info = describeDem(path, options.read);
     if (!info)
         return info.error();
-    if (Status writable = probe(options.output); !writable)
+    if (Status writable = probe(options.output, bands); !writable)
         return writable;
     for (const std::string& note : info->notes)
         warn(path + ": " + note);

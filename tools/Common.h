@@ -162,10 +162,10 @@ Metadata describe(const std::string& mode, const LightingSettings& settings, boo
 void add(Metadata& metadata, const std::string& name, const std::string& value);
 void addSun(Metadata& metadata, const SkyLight& sky);
 
-/// Reads, computes, calls write, prints the summary. Before anything is read it makes sure that
-/// the output can be written.
+/// Reads, computes, calls write, prints the summary. Before heights are read it makes sure that the
+/// output can be written; bands: of floats, 0 for a picture or EXR file.
 Status process(const std::string& mode, const RasterOptions& options, const SkyLight& sky,
-               SkyViewDefinition definition,
+               SkyViewDefinition definition, int bands,
                const std::function<Status(LitTile&, Progress&)>& write);
 
 /// Writes band after band from values(band), band = 1 …, called once each, in tile order.

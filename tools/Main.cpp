@@ -19,7 +19,7 @@ namespace
 // GDAL writes these with one dash, which CLI11 takes for a row of one-letter flags.
 const std::vector<std::string> gdalNames = {"of", "co", "srcwin"};
 
-/// The arguments, -name made --name, last first, as CLI11 wants them.
+/// The arguments, GDAL's names with two dashes, last first, as CLI11 wants them.
 std::vector<std::string> arguments(int count, char** values)
 {
     std::vector<std::string> result(values + 1, values + count);
@@ -27,9 +27,9 @@ std::vector<std::string> arguments(int count, char** values)
     {
         if (argument == "--")
             break;
-        if (argument.size() > 2 && argument[0] == '-' &&
-            std::isalpha(static_cast<unsigned char>(argument[1])))
-            argument.insert(0, 1, '-');
+        for (const std::string& name : gdalNames)
+            if (argument == "-" + name)
+                argument.insert(0, 1, '-');
     }
     std::reverse(result.begin(), result.end());
     return result;
@@ -134,10 +134,22 @@ int main(int count, char** values)
     const std::vector<Mode> modes = {addHorizon(tool), addSvf(tool),    addShadow(tool),
                                      addShade(tool),   addRender(tool), addInfo(tool),
                                      addGenerate(tool)};
+    std::string names;
+    bool known = count > 1 && values[1][0] == '-';
+    for (const Mode& mode : modes)
+    {
+        mode.app->group("Modes");
+        names += (names.empty() ? "" : ", ") + mode.app->get_name();
+        known = known || (count > 1 && mode.app->get_name() == values[1]);
+    }
+    if (!known)
+    {
+        complain((count > 1 ? "'" + std::string(values[1]) + "' is no mode" : "no mode given") +
+                 ": needs one of " + names + " (terrainlight --help)");
+        return 2;
+    }
     try
     {
-        for (const Mode& mode : modes)
-            mode.app->group("Modes");
         tool.parse(arguments(count, values));
         for (const Mode& mode : modes)
             if (mode.app->parsed())

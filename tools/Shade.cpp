@@ -62,9 +62,6 @@ Status writeFloats(const Options& options, const Metadata& metadata, const LitTi
 Status writeExrFile(const Options& options, const Metadata& metadata, const LitTile& lit,
                     const Raster<osg::Vec4f>& shading)
 {
-    if (!options.output.creationOptions.empty())
-        return Error{ErrorCode::NotSupported,
-                     options.output.path + ": OpenEXR files have no creation options (-co)"};
     ExrImage image;
     image.width = shading.width();
     image.height = shading.height();
@@ -131,7 +128,8 @@ Status run(const Options& options)
             return writePicture(options, metadata, lit, shading);
         return writeFloats(options, metadata, lit, shading, progress);
     };
-    return process("shade", options, options.sky, SkyViewDefinition::Surface, write);
+    const int bands = isExr(options.output) || isPicture(options.output) ? 0 : 4;
+    return process("shade", options, options.sky, SkyViewDefinition::Surface, bands, write);
 }
 
 } // namespace
