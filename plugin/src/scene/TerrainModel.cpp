@@ -4,6 +4,7 @@
 
 #include <osg/Image>
 #include <osg/MatrixTransform>
+#include <osg/Notify>
 #include <osg/Shape>
 #include <osgDB/FileNameUtils>
 #include <osgTerrain/GeometryTechnique>
@@ -15,6 +16,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <mutex>
 
 namespace osgTerrainLight
 {
@@ -23,6 +25,34 @@ namespace
 {
 /// Of a void post in a height field: no valid height of a DemTile is as low.
 constexpr float voidHeight = -2.0e6f;
+
+/// The stock technique, which says "Not computing normal" once per void post, without saying it.
+class QuietTechnique : public osgTerrain::GeometryTechnique
+{
+public:
+    QuietTechnique() = default;
+    QuietTechnique(const QuietTechnique& other, const osg::CopyOp& copyop)
+        : osgTerrain::GeometryTechnique(other, copyop) {}
+    osg::Object* cloneType() const override { return new QuietTechnique; }
+    osg::Object* clone(const osg::CopyOp& copyop) const override
+    {
+        return new QuietTechnique(*this, copyop);
+    }
+    // Files name it as the stock technique.
+
+protected:
+    void generateGeometry(BufferData& buffer, osgTerrain::Locator* masterLocator,
+                          const osg::Vec3d& centre) override
+    {
+        // The level is the process's: one thread at a time lowers it and puts it back.
+        static std::mutex mutex;
+        const std::lock_guard<std::mutex> lock(mutex);
+        const osg::NotifySeverity level = osg::getNotifyLevel();
+        osg::setNotifyLevel(std::min(level, osg::WARN));
+        GeometryTechnique::generateGeometry(buffer, masterLocator, centre);
+        osg::setNotifyLevel(level);
+    }
+};
 
 osg::ref_ptr<osg::HeightField> heightFieldOf(const DemTile& tile)
 {
@@ -115,7 +145,10 @@ osg::ref_ptr<osg::Node> createTerrain(const DemTile& tile, const std::vector<Col
     terrain->setUserData(new DemData(tile));
     terrain->setLocator(locator);
     terrain->setElevationLayer(heights);
-    terrain->setTerrainTechnique(new osgTerrain::GeometryTechnique);
+    if (tile.validCount() < tile.postCount())
+        terrain->setTerrainTechnique(new QuietTechnique);
+    else
+        terrain->setTerrainTechnique(new osgTerrain::GeometryTechnique);
     if (!colours.empty())
     {
         osg::ref_ptr<osgTerrain::ImageLayer> layer = new osgTerrain::ImageLayer(composed(colours));

@@ -1,0 +1,525 @@
+#include <osgTerrainLight/TerrainLighting.h>
+
+#include "scene/TerrainModel.h"
+#include "scene/TerrainTileReader.h"
+#include "support/AnalyticTerrain.h"
+#include "support/GlContext.h"
+#include "support/ScenePicture.h"
+
+#include <osg/MatrixTransform>
+#include <osgDB/ReadFile>
+#include <osgDB/WriteFile>
+#include <osgTerrain/GeometryTechnique>
+#include <osgTerrain/Layer>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+using namespace osgTerrainLight;
+
+namespace
+{
+// A cone of 45 degrees in the middle of 65 x 65 posts, 10 m apart; 320 m to each edge.
+constexpr double reach = 320.0;
+DemTile coneTile()
+{
+    return analytic::cone(65, 65, 10.0, 32, 32, 250.0, 250.0);
+}
+
+osg::ref_ptr<TerrainLighting> lightingWithoutBudget()
+{
+    osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
+    lighting->setTimeBudget(0.0);
+    LightingSettings settings;
+    settings.azimuths = 16;
+    lighting->setSettings(settings);
+    return lighting;
+}
+
+osg::ref_ptr<TerrainLighting> litCone()
+{
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    lighting->addChild(createTerrain(coneTile()));
+    return lighting;
+}
+
+osg::ref_ptr<osgTerrain::TerrainTile> tileWith(osgTerrain::Locator* locator, int side)
+{
+    osg::ref_ptr<osg::HeightField> field = new osg::HeightField;
+    field->allocate(static_cast<unsigned>(side), static_cast<unsigned>(side));
+    osg::ref_ptr<osgTerrain::HeightFieldLayer> layer = new osgTerrain::HeightFieldLayer(field);
+    layer->setLocator(locator);
+    osg::ref_ptr<osgTerrain::TerrainTile> tile = new osgTerrain::TerrainTile;
+    tile->setLocator(locator);
+    tile->setElevationLayer(layer);
+    return tile;
+}
+
+SkyLight whiteSky(float radiance)
+{
+    SkyLight sky;
+    sky.sunEnabled = false;
+    sky.skyRadiance = {radiance, radiance, radiance};
+    return sky;
+}
+} // namespace
+
+TEST(TerrainLighting, TheSlopeThatFacesTheSunIsBrightest)
+{
+    OTL_NEED_GL(context);
+    Said said;
+    osg::ref_ptr<TerrainLighting> lighting = litCone();
+    ScenePicture picture(lighting, reach);
+    // East and north of the middle: half-way down the cone, on each side.
+    const struct
+    {
+        double azimuth, x, y;
+    } sides[] = {
+        {315, -0.3, 0.3}, {135, 0.3, -0.3}, {0, 0, 0.4}, {90, 0.4, 0}, {200, -0.14, -0.38}};
+    for (const auto& side : sides)
+    {
+        SkyLight sky;
+        sky.sunAzimuth = side.azimuth;
+        lighting->setSkyLight(sky);
+        picture.draw();
+        EXPECT_GT(picture.redAt(side.x, side.y), picture.redAt(-side.x, -side.y) + 40.0)
+            << "sun at " << side.azimuth;
+    }
+    EXPECT_EQ(said.text(), "");
+    EXPECT_EQ(takeGlErrors(), "");
+}
+
+TEST(TerrainLighting, DefaultProgramMultipliesExposesAndEncodes)
+{
+    OTL_NEED_GL(context);
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    lighting->setSkyLight(whiteSky(0.25f));
+    osg::ref_ptr<osg::Node> white = createTerrain(analytic::plane(33, 33, 20.0, 0.0));
+    lighting->addChild(white);
+    ScenePicture picture(lighting, reach);
+    picture.draw();
+    // Level ground under a uniform sky: shading is the sky's radiance. sRGB of 0.25 is 137; 1 in
+    // 8 bits, and the half-float's 0.05 %.
+    EXPECT_NEAR(picture.redAt(0, 0), 137.0, 1.5);
+    LightingSettings settings = lighting->getSettings();
+    settings.exposure = 1.0;
+    lighting->setSettings(settings);
+    picture.draw();
+    EXPECT_NEAR(picture.redAt(0, 0), 188.0, 1.5); // sRGB of 0.5
+
+    // A colour layer comes out as it is where shading times exposure is 1.
+    settings.exposure = 2.0;
+    lighting->setSettings(settings);
+    lighting->setChild(
+        0, createTerrain(analytic::plane(33, 33, 20.0, 0.0), {{1, 1, {100, 150, 200, 255}}}));
+    picture.draw();
+    EXPECT_NEAR(picture.redAt(0, 0), 100.0, 1.5);
+    EXPECT_EQ(takeGlErrors(), "");
+}
+
+TEST(TerrainLighting, AStillSceneDispatchesNothingAndAChangeOnlyWhatItReaches)
+{
+    OTL_NEED_GL(context);
+    osg::ref_ptr<TerrainLighting> lighting = litCone();
+    ScenePicture picture(lighting, reach);
+    picture.draw(3);
+    auto counts = lighting->getDispatchCounts();
+    using Counts = std::map<std::string, unsigned>;
+    EXPECT_EQ(counts, (Counts{{"horizon", 1}, {"sky", 1}, {"sun", 1}, {"shade", 1}}));
+    picture.draw(20);
+    EXPECT_EQ(lighting->getDispatchCounts(), counts);
+
+    SkyLight sky = lighting->getSkyLight();
+    sky.sunAzimuth = 100.0;
+    lighting->setSkyLight(sky);
+    picture.draw(3);
+    EXPECT_EQ(lighting->getDispatchCounts(),
+              (Counts{{"horizon", 1}, {"sky", 1}, {"sun", 2}, {"shade", 2}}));
+    sky.sunElevation = 50.0; // the sun's horizon does not depend on it
+    lighting->setSkyLight(sky);
+    picture.draw(3);
+    EXPECT_EQ(lighting->getDispatchCounts(),
+              (Counts{{"horizon", 1}, {"sky", 1}, {"sun", 2}, {"shade", 3}}));
+    LightingSettings settings = lighting->getSettings();
+    settings.exposure = 1.5;
+    lighting->setSettings(settings);
+    lighting->setSkyLight(sky);
+    picture.draw(3);
+    EXPECT_EQ(lighting->getDispatchCount(), 1u + 1u + 2u + 3u);
+}
+
+TEST(TerrainLighting, ATileAddedLaterIsLitDeepBelow)
+{
+    OTL_NEED_GL(context);
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    osg::ref_ptr<osg::Group> deep = new osg::Group;
+    osg::ref_ptr<osg::Group> between = new osg::Group;
+    between->addChild(deep);
+    lighting->addChild(between);
+    ScenePicture picture(lighting, reach);
+    picture.draw(3);
+    EXPECT_EQ(lighting->getTileCount(), 0u);
+    osg::ref_ptr<osg::Node> terrain = createTerrain(coneTile());
+    deep->addChild(terrain);
+    picture.draw();
+    EXPECT_EQ(lighting->getTileCount(), 1u);
+    EXPECT_GT(picture.redAt(-0.3, 0.3), picture.redAt(0.3, -0.3) + 40.0);
+    const unsigned spent = lighting->getDispatchCount();
+
+    deep->removeChild(terrain);
+    picture.draw(5);
+    EXPECT_EQ(lighting->getTileCount(), 0u);
+    EXPECT_EQ(lighting->getDispatchCount(), spent) << "counts of tiles that went are kept";
+    EXPECT_EQ(takeGlErrors(), "");
+}
+
+TEST(TerrainLighting, EditedHeightsAreLitAnew)
+{
+    OTL_NEED_GL(context);
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    osg::ref_ptr<osg::Node> terrain = createTerrain(analytic::plane(65, 65, 10.0, 0.0));
+    lighting->addChild(terrain);
+    ScenePicture picture(lighting, reach);
+    picture.draw();
+    const double level = picture.redAt(0.3, -0.3);
+    auto* tile = dynamic_cast<osgTerrain::TerrainTile*>(terrain->asGroup()->getChild(0));
+    ASSERT_TRUE(tile);
+    auto* layer = dynamic_cast<osgTerrain::HeightFieldLayer*>(tile->getElevationLayer());
+    const DemTile cone = coneTile();
+    for (int row = 0; row < 65; ++row)
+        for (int column = 0; column < 65; ++column)
+            layer->getHeightField()->setHeight(static_cast<unsigned>(column),
+                                               static_cast<unsigned>(row),
+                                               cone.heightAt(column, row));
+    layer->dirty();
+    tile->setDirty(true);
+    picture.draw(2);
+    EXPECT_LT(picture.redAt(0.3, -0.3), level - 40.0);
+    EXPECT_EQ(lighting->getTileCount(), 1u);
+    EXPECT_EQ(takeGlErrors(), "");
+}
+
+TEST(TerrainLighting, SwitchedOffDrawsAsAPlainGroup)
+{
+    OTL_NEED_GL(context);
+    osg::ref_ptr<osg::Group> plain = new osg::Group;
+    plain->addChild(createTerrain(coneTile()));
+    std::vector<unsigned char> expected;
+    {
+        ScenePicture picture(plain, reach);
+        picture.draw(2);
+        expected = picture.pixels();
+    }
+    osg::ref_ptr<TerrainLighting> lighting = litCone();
+    ScenePicture picture(lighting, reach);
+    picture.draw(2);
+    EXPECT_FALSE(picture.pixels() == expected);
+    lighting->setLightEnabled(false);
+    picture.draw(1);
+    EXPECT_TRUE(picture.pixels() == expected);
+    const unsigned spent = lighting->getDispatchCount();
+    SkyLight sky;
+    sky.sunAzimuth = 10.0;
+    lighting->setSkyLight(sky);
+    picture.draw(2);
+    EXPECT_EQ(lighting->getDispatchCount(), spent);
+    lighting->setLightEnabled(true);
+    picture.draw();
+    EXPECT_FALSE(picture.pixels() == expected);
+    EXPECT_GT(lighting->getDispatchCount(), spent);
+    EXPECT_EQ(takeGlErrors(), "");
+}
+
+TEST(TerrainLighting, TheBudgetSpreadsTilesOverFrames)
+{
+    OTL_NEED_GL(context);
+    osg::ref_ptr<TerrainLighting> lighting = litCone();
+    lighting->addChild(createTerrain(coneTile()));
+    lighting->addChild(createTerrain(coneTile()));
+    lighting->setTimeBudget(1.0e-6);
+    ScenePicture picture(lighting, reach);
+    for (unsigned frame = 1; frame <= 3; ++frame)
+    {
+        picture.draw();
+        EXPECT_EQ(lighting->getDispatchCounts().at("shade"), frame);
+    }
+    picture.draw(3);
+    EXPECT_EQ(lighting->getDispatchCounts().at("shade"), 3u);
+}
+
+TEST(TerrainLighting, RemovedTilesAreLeftAsTheyWere)
+{
+    OTL_NEED_GL(context);
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    osg::ref_ptr<osg::Node> bare = createTerrain(coneTile());
+    osg::ref_ptr<osg::Node> dressed = createTerrain(coneTile());
+    osg::Node* bareTile = bare->asGroup()->getChild(0);
+    osg::Node* dressedTile = dressed->asGroup()->getChild(0);
+    dressedTile->getOrCreateStateSet()->setMode(GL_CULL_FACE, osg::StateAttribute::ON);
+    const osg::ref_ptr<osg::StateSet> before =
+        new osg::StateSet(*dressedTile->getStateSet(), osg::CopyOp::SHALLOW_COPY);
+    lighting->addChild(bare);
+    lighting->addChild(dressed);
+    ScenePicture picture(lighting, reach);
+    picture.draw();
+    ASSERT_TRUE(bareTile->getStateSet());
+    EXPECT_TRUE(bareTile->getStateSet()->getUniform(ShadingTexture::sampler));
+    EXPECT_NE(dressedTile->getStateSet()->compare(*before, true), 0);
+    lighting->removeChildren(0, 2);
+    picture.draw(5);
+    EXPECT_FALSE(bareTile->getStateSet());
+    EXPECT_EQ(dressedTile->getStateSet()->compare(*before, true), 0);
+}
+
+TEST(TerrainLighting, LightsAHostsOwnTerrain)
+{
+    OTL_NEED_GL(context);
+    osg::ref_ptr<osg::Geometry> quad = osg::createTexturedQuadGeometry(
+        osg::Vec3(-320, -320, 0), osg::Vec3(640, 0, 0), osg::Vec3(0, 640, 0));
+    quad->setTexCoordArray(ShadingTexture::coordinateSet, quad->getTexCoordArray(0));
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    lighting->addChild(quad);
+    osg::StateSet* stateSet = quad->getOrCreateStateSet();
+    EXPECT_TRUE(lighting->addTile(coneTile(), stateSet, {}, true));
+    {
+        Said said;
+        EXPECT_FALSE(lighting->addTile(coneTile(), stateSet));
+        EXPECT_EQ(said.count("tile not added"), 1);
+    }
+    ScenePicture picture(lighting, reach);
+    picture.draw();
+    EXPECT_GT(picture.redAt(-0.3, 0.3), picture.redAt(0.3, -0.3) + 40.0);
+
+    // The same by position.
+    lighting->removeTile(stateSet);
+    ShadingCoordinates byPosition;
+    byPosition.source = ShadingCoordinates::Source::Vertex;
+    byPosition.toTile = osg::Matrixd::translate(320.0, 320.0, 0.0) *
+                        osg::Matrixd::scale(1.0 / 640.0, 1.0 / 640.0, 1.0);
+    const std::vector<unsigned char> byTexCoord = picture.pixels();
+    EXPECT_TRUE(lighting->addTile(coneTile(), stateSet, byPosition, true));
+    picture.draw();
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < byTexCoord.size(); ++i)
+        different += std::abs(byTexCoord[i] - picture.pixels()[i]) > 1;
+    EXPECT_EQ(different, 0u);
+    lighting->removeTile(stateSet);
+    picture.draw(4);
+    EXPECT_TRUE(stateSet->getUniformList().empty());
+    EXPECT_TRUE(stateSet->getAttributeList().empty());
+    EXPECT_TRUE(stateSet->getTextureAttributeList().empty());
+    EXPECT_EQ(takeGlErrors(), "");
+}
+
+TEST(TerrainLighting, VoidsHaveNoGeometryAndOpenTheHorizon)
+{
+    OTL_NEED_GL(context);
+    DemTile tile = analytic::plane(65, 65, 10.0, 500.0);
+    for (int row = 20; row < 45; ++row)
+        for (int column = 20; column < 45; ++column)
+            tile.setVoid(column, row);
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    lighting->setSkyLight(whiteSky(0.25f));
+    osg::ref_ptr<osg::Node> terrain = createTerrain(tile);
+    lighting->addChild(terrain);
+    ScenePicture picture(lighting, reach);
+    picture.draw(2);
+    EXPECT_EQ(picture.redAt(0.0, 0.0), 0.0); // the background, which is blue
+    EXPECT_NEAR(picture.redAt(-0.8, 0.8), 137.0, 1.5);
+    EXPECT_LT(terrain->getBound().radius(), 500.0);
+}
+
+TEST(TerrainLighting, RefusesValuesOutsideTheirRange)
+{
+    osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
+    Said said;
+    SkyLight sky;
+    sky.sunElevation = 100.0;
+    lighting->setSkyLight(sky);
+    EXPECT_EQ(lighting->getSkyLight().sunElevation, SkyLight().sunElevation);
+    LightingSettings settings;
+    settings.azimuths = 30;
+    lighting->setSettings(settings);
+    EXPECT_EQ(lighting->getSettings().azimuths, LightingSettings().azimuths);
+    lighting->setTimeBudget(std::nan(""));
+    EXPECT_EQ(lighting->getTimeBudget(), 50.0);
+    EXPECT_EQ(said.count("not set"), 3) << said.text();
+}
+
+TEST(TerrainLighting, GoesThroughAFileAndBack)
+{
+    usePluginsOfThisBuild();
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    SkyLight sky;
+    sky.sunAzimuth = 123.25;
+    sky.sunElevation = 12.5;
+    sky.skyEnabled = false;
+    sky.sunIrradiance = {1.0f, 2.0f, 3.0f};
+    lighting->setSkyLight(sky);
+    LightingSettings settings;
+    settings.azimuths = 64;
+    settings.quality = HorizonQuality::Best;
+    settings.exposure = -1.5;
+    lighting->setSettings(settings);
+    lighting->setLightEnabled(false);
+    lighting->setTextureUnit(5);
+    lighting->setKeysEnabled(true);
+    lighting->addChild(createTerrain(coneTile()));
+    for (const char* extension : {"osgt", "osgb", "osgx"})
+    {
+        const std::string path =
+            (std::filesystem::temp_directory_path() / "otl_round_trip.").string() + extension;
+        ASSERT_TRUE(osgDB::writeNodeFile(*lighting, path));
+        osg::ref_ptr<osg::Node> node = osgDB::readRefNodeFile(path);
+        std::filesystem::remove(path);
+        auto* read = dynamic_cast<TerrainLighting*>(node.get());
+        ASSERT_TRUE(read) << extension;
+        EXPECT_EQ(read->getSkyLight().sunAzimuth, 123.25);
+        EXPECT_EQ(read->getSkyLight().sunElevation, 12.5);
+        EXPECT_FALSE(read->getSkyLight().skyEnabled);
+        EXPECT_TRUE(read->getSkyLight().sunEnabled);
+        EXPECT_EQ(read->getSkyLight().sunIrradiance, sky.sunIrradiance);
+        EXPECT_EQ(read->getSettings().azimuths, 64);
+        EXPECT_EQ(read->getSettings().quality, HorizonQuality::Best);
+        EXPECT_EQ(read->getSettings().exposure, -1.5);
+        EXPECT_FALSE(read->getLightEnabled());
+        EXPECT_EQ(read->getTimeBudget(), 0.0);
+        EXPECT_EQ(read->getTextureUnit(), 5u);
+        EXPECT_TRUE(read->getKeysEnabled());
+        EXPECT_EQ(read->getNumChildren(), 1u);
+    }
+}
+
+TEST(TerrainLighting, CopiesKeepTheirSettings)
+{
+    osg::ref_ptr<TerrainLighting> lighting = litCone();
+    lighting->setLightEnabled(false);
+    lighting->setKeysEnabled(true);
+    const osg::ref_ptr<TerrainLighting> copy =
+        osg::clone(lighting.get(), osg::CopyOp::DEEP_COPY_NODES);
+    EXPECT_EQ(copy->getSettings().azimuths, 16);
+    EXPECT_FALSE(copy->getLightEnabled());
+    EXPECT_TRUE(copy->getKeysEnabled());
+    EXPECT_EQ(copy->getNumChildren(), 1u);
+    EXPECT_EQ(copy->getTileCount(), 0u);
+    EXPECT_EQ(copy->getNumChildrenRequiringUpdateTraversal(),
+              lighting->getNumChildrenRequiringUpdateTraversal());
+}
+
+TEST(TerrainTileReader, MeasuresGeographicAndGeocentricTilesInMetres)
+{
+    const double degrees = osg::PI / 180.0;
+    for (const auto type : {osgTerrain::Locator::GEOGRAPHIC, osgTerrain::Locator::GEOCENTRIC})
+    {
+        osg::ref_ptr<osgTerrain::Locator> locator = new osgTerrain::Locator;
+        locator->setCoordinateSystemType(type);
+        locator->setTransformAsExtents(10.0 * degrees, 60.0 * degrees, 10.1 * degrees,
+                                       60.1 * degrees);
+        const Result<DemTile> dem = readTerrainTile(*tileWith(locator, 101), {});
+        ASSERT_TRUE(dem) << dem.error().message;
+        // WGS 84: a thousandth of a degree at 60.05 degrees north is 111.414 m north, and at 60 and
+        // 60.1 degrees 55.800 m and 55.631 m east.
+        EXPECT_NEAR(dem->northSpacing, 111.414, 0.01);
+        ASSERT_EQ(dem->eastSpacings.size(), 101u);
+        EXPECT_NEAR(dem->eastSpacings.front(), 55.800, 0.01);
+        EXPECT_NEAR(dem->eastSpacings.back(), 55.631, 0.01);
+    }
+}
+
+TEST(TerrainTileReader, GeocentricTilesGetTileCoordinates)
+{
+    const double degrees = osg::PI / 180.0;
+    osg::ref_ptr<osgTerrain::Locator> locator = new osgTerrain::Locator;
+    locator->setCoordinateSystemType(osgTerrain::Locator::GEOCENTRIC);
+    locator->setTransformAsExtents(10.0 * degrees, 60.0 * degrees, 11.0 * degrees, 61.0 * degrees);
+    osg::ref_ptr<osgTerrain::TerrainTile> tile = tileWith(locator, 11);
+    osg::ref_ptr<osg::Geometry> geometry = new osg::Geometry;
+    osg::ref_ptr<osg::Vec3Array> vertices = new osg::Vec3Array;
+    osg::Vec3d centre;
+    locator->convertLocalToModel(osg::Vec3d(0.5, 0.5, 0.0), centre);
+    for (const osg::Vec3d& place :
+         {osg::Vec3d(0, 0, 0), osg::Vec3d(1, 1, 900), osg::Vec3d(0.25, 1, 0)})
+    {
+        osg::Vec3d model;
+        locator->convertLocalToModel(place, model);
+        vertices->push_back(model - centre);
+    }
+    geometry->setVertexArray(vertices);
+    const std::vector<TilePart> parts = {{geometry, osg::Matrixd::translate(centre)}};
+    EXPECT_FALSE(affineCoordinates(*tile, parts).has_value());
+    addTileCoordinates(*tile, parts);
+    const auto* found = dynamic_cast<const osg::Vec2Array*>(
+        geometry->getTexCoordArray(ShadingTexture::coordinateSet));
+    ASSERT_TRUE(found);
+    // Vertices are floats of up to 1e5 m: 4 mm, 1e-7 of the tile.
+    EXPECT_NEAR((*found)[0].x(), 0.0, 1e-6);
+    EXPECT_NEAR((*found)[1].x(), 1.0, 1e-6);
+    EXPECT_NEAR((*found)[1].y(), 1.0, 1e-6);
+    EXPECT_NEAR((*found)[2].x(), 0.25, 1e-6);
+    EXPECT_NEAR((*found)[2].y(), 1.0, 1e-6);
+}
+
+TEST(TerrainTileReader, MapsPostsOfAProjectedTileFarFromTheOrigin)
+{
+    osg::ref_ptr<osgTerrain::Locator> locator = new osgTerrain::Locator;
+    locator->setCoordinateSystemType(osgTerrain::Locator::PROJECTED);
+    locator->setTransformAsExtents(500000.0, 4.0e6, 501000.0, 4.0005e6);
+    osg::ref_ptr<osgTerrain::TerrainTile> tile = tileWith(locator, 21);
+    const std::vector<TilePart> parts = {
+        {new osg::Geometry, osg::Matrixd::translate(500500.0, 4.00025e6, 0.0)}};
+    const auto coordinates = affineCoordinates(*tile, parts);
+    ASSERT_TRUE(coordinates.has_value());
+    const osg::Vec3d found = osg::Vec3d(-500.0, 250.0, 77.0) * coordinates->toTile;
+    EXPECT_NEAR(found.x(), 0.0, 1e-9);
+    EXPECT_NEAR(found.y(), 1.0, 1e-9);
+}
+
+TEST(TerrainLighting, ATurnedTileIsNamedAndDrawnUnlit)
+{
+    OTL_NEED_GL(context);
+    osg::ref_ptr<osg::MatrixTransform> turned =
+        new osg::MatrixTransform(osg::Matrix::rotate(0.3, osg::Vec3(0, 0, 1)));
+    osg::ref_ptr<osgTerrain::Locator> locator = new osgTerrain::Locator;
+    locator->setCoordinateSystemType(osgTerrain::Locator::PROJECTED);
+    locator->setTransformAsExtents(-320.0, -320.0, 320.0, 320.0);
+    osg::ref_ptr<osgTerrain::TerrainTile> tile = tileWith(locator, 11);
+    tile->setName("turned");
+    turned->addChild(tile);
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    lighting->addChild(turned);
+    Said said;
+    ScenePicture picture(lighting, reach);
+    picture.draw(5);
+    EXPECT_EQ(said.count("terrain tile \"turned\" is drawn unlit"), 1) << said.text();
+    EXPECT_GT(picture.redAt(0, 0), 0.0);
+}
+
+TEST(TerrainLighting, ReleasedAndResizedLikeAnyNode)
+{
+    OTL_NEED_GL(context);
+    osg::ref_ptr<TerrainLighting> lighting = litCone();
+    std::vector<unsigned char> first;
+    // Each picture has a context of its own, and releases the scene's objects in it at its end.
+    for (unsigned round = 1; round <= 3; ++round)
+    {
+        lighting->resizeGLObjectBuffers(4 * round);
+        ScenePicture picture(lighting, reach);
+        picture.draw();
+        EXPECT_EQ(lighting->getDispatchCounts().at("shade"), round);
+        EXPECT_EQ(takeGlErrors(), "");
+        if (round == 1)
+            first = picture.pixels();
+        EXPECT_TRUE(picture.pixels() == first);
+    }
+    lighting->releaseGLObjects();
+    ScenePicture one(lighting, reach);
+    ScenePicture other(lighting, reach);
+    one.draw();
+    EXPECT_TRUE(one.pixels() == first);
+    other.draw();
+    EXPECT_TRUE(other.pixels() == first);
+    EXPECT_EQ(lighting->getDispatchCounts().at("shade"), 5u);
+    EXPECT_EQ(takeGlErrors(), "");
+}
