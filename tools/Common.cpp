@@ -309,9 +309,14 @@ void addReadOptions(CLI::App& app, DemReadOptions& read)
         ->expected(4)
         ->type_name("X Y W H");
     app.add_option("--band", read.band, "Band of the input, from 1; default 1")->type_name("N");
+    addCellSize(app, [&read](double size) { read.cellSize = size; });
+}
+
+void addCellSize(CLI::App& app, std::function<void(double)> set)
+{
     addLimitedNumbers(app, "--cell-size", "METRES", {{"cell size", 1e-6, 1e6, false}},
                       "Distance between posts where the input has no geotransform",
-                      [&read](const auto& v) { read.cellSize = v[0]; });
+                      [set](const auto& v) { set(v[0]); });
 }
 
 void addOutputOptions(CLI::App& app, OutputOptions& output)

@@ -80,6 +80,8 @@ void addSun(CLI::App& app, SkyLight& sky);
 void addSunRadius(CLI::App& app, SkyLight& sky);
 void addReadOptions(CLI::App& app, DemReadOptions& read);
 
+void addCellSize(CLI::App& app, std::function<void(double)> set);
+
 struct OutputOptions
 {
     std::string path;

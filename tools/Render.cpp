@@ -2,10 +2,11 @@
 
 #include <cpl_conv.h>
 #include <cpl_string.h>
+#include <cpl_vsi.h>
 #include <gdal.h>
 #include <osg/ComputeBoundsVisitor>
 #include <osgDB/DatabasePager>
-#include <osgDB/ReadFile>
+#include <osgDB/FileUtils>
 #include <osgDB/Registry>
 #include <osgViewer/Viewer>
 
@@ -31,6 +32,7 @@ struct Options
     SkyLight sky;
     LightingSettings settings;
     std::string light = "both";
+    double cellSize = 1.0;
     // The camera, seen from the middle of the scene: from the south, looking north and 35° down.
     double azimuth = 180.0, elevation = 35.0, distance = 1.0;
     std::optional<osg::Vec3d> eye, center;
@@ -60,25 +62,45 @@ std::string readableName(const std::string& scene)
     return ours ? scene + ".terrainlight" : scene;
 }
 
-Result<osg::ref_ptr<osg::Node>> load(const Options& options)
+/// Reader options of our plugin: what was asked for, since a map has settings of its own.
+std::string readerOptions(const CLI::App& app, const Options& options)
+{
+    std::string result;
+    const auto add =
+        [&](const std::string& option, const std::string& name, const std::string& value)
+    {
+        if (app.count(option) > 0)
+            result += (result.empty() ? "" : " ") + name + "=" + value;
+    };
+    add("--sun", "sun_azimuth", text(options.sky.sunAzimuth));
+    add("--sun", "sun_elevation", text(options.sky.sunElevation));
+    add("--azimuths", "azimuths", std::to_string(options.settings.azimuths));
+    add("--quality", "quality", toString(options.settings.quality));
+    add("--exposure", "exposure", text(options.settings.exposure));
+    add("--light", "light", options.light);
+    add("--cell-size", "cell_size", text(options.cellSize));
+    return result;
+}
+
+Result<osg::ref_ptr<osg::Node>> load(const CLI::App& app, const Options& options)
 {
     findOwnPlugin();
-    const std::string text_ = "sun_azimuth=" + text(options.sky.sunAzimuth) +
-                              " sun_elevation=" + text(options.sky.sunElevation) +
-                              " azimuths=" + std::to_string(options.settings.azimuths) +
-                              " quality=" + toString(options.settings.quality) +
-                              " exposure=" + text(options.settings.exposure) +
-                              " light=" + options.light;
-    const osg::ref_ptr<osgDB::Options> reading = new osgDB::Options(text_);
-    const std::string name = readableName(options.scene);
-    osgDB::ReaderWriter::ReadResult result = osgDB::Registry::instance()->readNode(name, reading);
+    const osg::ref_ptr<osgDB::Options> reading = new osgDB::Options(readerOptions(app, options));
+    osgDB::ReaderWriter::ReadResult result =
+        osgDB::Registry::instance()->readNode(readableName(options.scene), reading);
     if (result.validNode())
         return osg::ref_ptr<osg::Node>(result.getNode());
-    return Error{ErrorCode::Invalid,
-                 options.scene + ": " +
-                     (result.message().empty() ? "OpenSceneGraph cannot read it as a scene (" +
-                                                     result.statusMessage() + ")"
-                                               : result.message())};
+    VSIStatBufL stat;
+    if (osgDB::findDataFile(options.scene).empty() && VSIStatL(options.scene.c_str(), &stat) != 0)
+        return Error{ErrorCode::NotFound, options.scene + ": no such file"};
+    const std::string reason =
+        result.status() == osgDB::ReaderWriter::ReadResult::ERROR_IN_READING_FILE
+            ? result.message()
+            : "no raster that GDAL reads, and no scene that OpenSceneGraph reads";
+    // Some readers' sentences name the file, others' do not.
+    return Error{ErrorCode::Invalid, reason.compare(0, options.scene.size(), options.scene) == 0
+                                         ? reason
+                                         : options.scene + ": " + reason};
 }
 
 std::array<osg::Vec3d, 8> corners(const osg::BoundingBox& box)
@@ -164,7 +186,7 @@ std::vector<std::uint8_t> draw(osgViewer::Viewer& viewer, const Options& options
     return pixels;
 }
 
-Status run(const Options& options)
+Status run(const CLI::App& app, const Options& options)
 {
     refuseSameFile(options.scene, options.output.path);
     const Result<Gpu> gpu = openGpu(options.width, options.height);
@@ -179,7 +201,7 @@ Status run(const Options& options)
                                                   " a side at most"};
     Progress progress(options.output.quiet);
     progress.reach(0.0);
-    Result<osg::ref_ptr<osg::Node>> scene = load(options);
+    Result<osg::ref_ptr<osg::Node>> scene = load(app, options);
     if (!scene)
         return scene.error();
     osg::ComputeBoundsVisitor bounds;
@@ -267,11 +289,12 @@ Mode addRender(CLI::App& tool)
         ->type_name("WHAT");
     addExposure(*app, options->settings);
     addSettings(*app, options->settings);
+    addCellSize(*app, [options](double size) { options->cellSize = size; });
     addLimitedNumbers(*app, "--frames", "N", {{"frames", 1.0, 100000.0, true}},
                       "Frames drawn at most while the picture still changes; default 100",
                       [options](const auto& v) { options->frames = static_cast<int>(v[0]); });
     addOutputOptions(*app, options->output);
-    return {app, [options] { return run(*options); }};
+    return {app, [app, options] { return run(*app, *options); }};
 }
 
 } // namespace osgTerrainLight::tool
