@@ -22,9 +22,9 @@ HorizonScheme HorizonScheme::of(HorizonQuality quality)
     case HorizonQuality::Draft:
         return {4, 1, 2};
     case HorizonQuality::Best:
-        return {48, 2, 16};
+        return {32, 2, 16};
     default:
-        return {16, 2, 8};
+        return {12, 1, 6};
     }
 }
 
@@ -32,13 +32,17 @@ HorizonPass::HorizonPass(const DemTile& tile, osg::Texture2D* heights, const Hor
                          int directionCount)
     : _width(tile.width()), _height(tile.height()), _northSpacing(tile.northSpacing),
       _eastSpacings(tile.eastSpacings), _nominalEastSpacing(tile.nominalEastSpacing()),
-      _scheme(scheme), _sweep(new GpuPass("horizon_sweep", {"HULL_SIZE 128"})),
-      _near(new GpuPass("horizon_near"))
+      _scheme(scheme), _near(new GpuPass("horizon_near"))
 {
+    for (int parity = 0; parity < 2; ++parity)
+        _sweeps[parity] =
+            new GpuPass("horizon_sweep",
+                        {"HULL_SIZE 128", "PARITY " + std::to_string(parity),
+                         std::string("POSTS_PER_STEP ") + (scheme.linesPerPost == 1 ? "2" : "1")});
     _stepLengths = createFloatTexture(Raster<float>(directionCount, _height, 1.0f));
     _horizon = createLayeredTarget(_width, _height, directionCount, GL_R16);
     _dropped = createTarget(1, 1, GL_R32UI);
-    for (const auto& pass : {_sweep, _near})
+    for (const auto& pass : {_sweeps[0], _sweeps[1], _near})
     {
         pass->reads("heights", heights);
         pass->reads("stepLengths", _stepLengths);
@@ -46,10 +50,13 @@ HorizonPass::HorizonPass(const DemTile& tile, osg::Texture2D* heights, const Hor
         pass->set("frame", frame(scheme));
         pass->set("reach", scheme.reach);
     }
-    _sweep->set("linesPerPost", scheme.linesPerPost);
     _near->set("insideReach", scheme.insideReach);
-    _sweep->writes(0, _horizon);
-    _sweep->writes(1, _dropped, GpuPass::Access::ReadWrite);
+    for (const auto& sweep : _sweeps)
+    {
+        sweep->set("linesPerPost", scheme.linesPerPost);
+        sweep->writes(0, _horizon, GpuPass::Access::ReadWrite);
+        sweep->writes(1, _dropped, GpuPass::Access::ReadWrite);
+    }
     _near->writes(0, _horizon, GpuPass::Access::ReadWrite);
 }
 
@@ -89,17 +96,21 @@ void HorizonPass::setDirections(const std::vector<MapDirection>& directions)
         }
     }
     _stepLengths = createFloatTexture(lengths);
-    for (const auto& pass : {_sweep, _near})
+    for (const auto& pass : {_sweeps[0], _sweeps[1], _near})
         pass->reads("stepLengths", _stepLengths);
-    _sweep->set(table);
+    for (const auto& sweep : _sweeps)
+        sweep->set(table);
 }
 
 Status HorizonPass::dispatch(osg::State& state)
 {
     assert(!_directions.empty());
-    _sweep->set("firstDirection", 0);
-    Status done = _sweep->dispatch(
-        state, {GpuPass::groupsFor(_maxLines, 32), 1, static_cast<unsigned>(_directions.size())});
+    Status done = Nothing{};
+    for (int parity = 0; done && parity < 2; ++parity)
+    {
+        done = _sweeps[parity]->dispatch(state, {GpuPass::groupsFor(_maxLines / 2 + 1, 32), 1,
+                                                 static_cast<unsigned>(_directions.size())});
+    }
     for (std::size_t i = 0; done && i < _directions.size(); ++i)
     {
         const bool north = _directions[i].z() != 0.0f;
@@ -119,7 +130,8 @@ std::size_t HorizonPass::workingBytes() const
 
 void HorizonPass::releaseGLObjects(osg::State* state) const
 {
-    _sweep->releaseGLObjects(state);
+    for (const auto& sweep : _sweeps)
+        sweep->releaseGLObjects(state);
     _near->releaseGLObjects(state);
     for (const osg::Texture* texture :
          {static_cast<osg::Texture*>(_stepLengths), static_cast<osg::Texture*>(_horizon),
@@ -129,7 +141,8 @@ void HorizonPass::releaseGLObjects(osg::State* state) const
 
 void HorizonPass::resizeGLObjectBuffers(unsigned size)
 {
-    _sweep->resizeGLObjectBuffers(size);
+    for (const auto& sweep : _sweeps)
+        sweep->resizeGLObjectBuffers(size);
     _near->resizeGLObjectBuffers(size);
     _stepLengths->resizeGLObjectBuffers(size);
     _horizon->resizeGLObjectBuffers(size);

@@ -19,9 +19,9 @@ namespace osgTerrainLight
 /// What a quality stands for. docs/ARCHITECTURE.md has the measurements that chose the numbers.
 struct OSGTERRAINLIGHT_EXPORT HorizonScheme
 {
-    int reach = 16;       ///< steps of the near field, 1 … 64
-    int linesPerPost = 2; ///< lines of the sweep per post, 1 … 8
-    int insideReach = 8;  ///< steps in which maxima inside cells count too, 1 … reach
+    int reach = 12;       ///< steps of the near field, 1 … 64
+    int linesPerPost = 1; ///< lines of the sweep per post, 1 … 8
+    int insideReach = 6;  ///< steps in which maxima inside cells count too, 1 … reach
 
     static HorizonScheme of(HorizonQuality quality);
 };
@@ -67,7 +67,7 @@ private:
     osg::ref_ptr<osg::Texture2D> _stepLengths;
     osg::ref_ptr<osg::Texture2DArray> _horizon;
     osg::ref_ptr<osg::Texture2D> _dropped;
-    osg::ref_ptr<GpuPass> _sweep;
+    osg::ref_ptr<GpuPass> _sweeps[2]; ///< even lines, odd lines
     osg::ref_ptr<GpuPass> _near;
 };
 
