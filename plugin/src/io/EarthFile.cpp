@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
-#include <sstream>
 
 namespace osgTerrainLight
 {
@@ -77,11 +76,21 @@ private:
                     std::to_string(lineOf(element)) + ")";
     }
 
+    /// Without blanks at its ends.
+    static std::string trimmed(const std::string& text)
+    {
+        const char* blanks = " \t\r\n";
+        const std::size_t first = text.find_first_not_of(blanks);
+        if (first == std::string::npos)
+            return {};
+        return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
+    }
+
     /// The value of a key, which osgEarth lets stand as an attribute or as a child.
     static std::string valueOf(const pugi::xml_node& element, const char* key)
     {
         const pugi::xml_attribute attribute = element.attribute(key);
-        return attribute ? attribute.value() : element.child(key).text().get();
+        return trimmed(attribute ? attribute.value() : element.child(key).text().get());
     }
 
     Status readElement(const pugi::xml_node& element)
@@ -122,11 +131,7 @@ private:
         {
             if (child.type() != pugi::node_element)
                 continue;
-            std::istringstream words(child.text().get());
-            std::string value, word;
-            while (words >> word)
-                value += (value.empty() ? "" : " ") + word;
-            Status set = setLightParameter(_map.light, child.name(), value);
+            Status set = setLightParameter(_map.light, child.name(), trimmed(child.text().get()));
             if (!set)
                 return error(lineOf(child), "<terrain_light> " + set.error().message);
         }

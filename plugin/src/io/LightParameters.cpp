@@ -48,14 +48,17 @@ Status setNumbers(LightParameters& parameters, const ParameterRange& range, cons
     Rgb* colour = range.name == "sun-irradiance" ? &parameters.sky.sunIrradiance
                   : range.name == "sky-radiance" ? &parameters.sky.skyRadiance
                                                  : nullptr;
+    const Error bad = refused(name, text,
+                              (colour                     ? "one number or three, "
+                               : range.name == "azimuths" ? "a multiple of 4, "
+                                                          : "a number, ") +
+                                  rangeOf(range));
     const std::vector<double> values = numbersIn(text);
     if (values.size() != 1 && !(colour && values.size() == 3))
-        return refused(name, text,
-                       (colour ? "one number or three, " : "a number, ") + rangeOf(range));
+        return bad;
     for (double value : values)
-        if (std::string complaint = range.complaint(value); !complaint.empty())
-            return refused(name, text,
-                           (range.name == "azimuths" ? "a multiple of 4, " : "") + rangeOf(range));
+        if (!range.complaint(value).empty())
+            return bad;
     const double value = values.front();
     if (colour)
         for (std::size_t i = 0; i < 3; ++i)

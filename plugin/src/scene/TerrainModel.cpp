@@ -32,7 +32,9 @@ class QuietTechnique : public osgTerrain::GeometryTechnique
 public:
     QuietTechnique() = default;
     QuietTechnique(const QuietTechnique& other, const osg::CopyOp& copyop)
-        : osgTerrain::GeometryTechnique(other, copyop) {}
+        : osgTerrain::GeometryTechnique(other, copyop)
+    {
+    }
     osg::Object* cloneType() const override { return new QuietTechnique; }
     osg::Object* clone(const osg::CopyOp& copyop) const override
     {

@@ -1,0 +1,269 @@
+#include <osgTerrainLight/TerrainLighting.h>
+
+#include "support/ScenePicture.h"
+
+#include <osg/ApplicationUsage>
+#include <osg/Geode>
+#include <osg/ShapeDrawable>
+#include <osgDB/ReadFile>
+#include <osgDB/Registry>
+#include <osgDB/WriteFile>
+#include <osgGA/EventQueue>
+#include <osgGA/EventVisitor>
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+using namespace osgTerrainLight;
+namespace fs = std::filesystem;
+
+namespace
+{
+const std::string dem = OTL_SOURCE_DIR "/samples/data/jacksboro_90m.tif";
+
+osgDB::ReaderWriter::ReadResult read(const std::string& name, const std::string& options = "")
+{
+    usePluginsOfThisBuild();
+    return osgDB::Registry::instance()->readNode(name, new osgDB::Options(options));
+}
+
+TerrainLighting* lightingOf(osgDB::ReaderWriter::ReadResult& result)
+{
+    return dynamic_cast<TerrainLighting*>(result.getNode());
+}
+
+/// An empty folder that goes with the test.
+struct Folder
+{
+    Folder() : path(fs::temp_directory_path() / "otl_plugin_test")
+    {
+        fs::remove_all(path);
+        fs::create_directory(path);
+    }
+    ~Folder() { fs::remove_all(path); }
+    std::string file(const std::string& name, const std::string& text) const
+    {
+        std::ofstream(path / name, std::ios::binary) << text;
+        return (path / name).string();
+    }
+    fs::path path;
+};
+
+class Actions : public osgGA::GUIActionAdapter
+{
+    void requestRedraw() override {}
+    void requestContinuousUpdate(bool) override {}
+    void requestWarpPointer(float, float) override {}
+};
+} // namespace
+
+TEST(Plugin, ReadsADem)
+{
+    auto result = read(dem + ".terrainlight");
+    TerrainLighting* lighting = lightingOf(result);
+    ASSERT_TRUE(lighting) << result.message();
+    EXPECT_EQ(lighting->getNumChildren(), 1u);
+    EXPECT_TRUE(lighting->getKeysEnabled());
+    // 402 x 343 cells of 0.075 km x 0.092 km, about 0.84 km in height.
+    EXPECT_NEAR(lighting->getBound().radius(), 21800.0, 300.0);
+}
+
+TEST(Plugin, TakesOptions)
+{
+    auto result = read(dem + ".terrainlight",
+                       "sun_azimuth=120 sun_elevation=12.5 azimuths=16 quality=draft exposure=-1 "
+                       "light=sun sun_irradiance=1,2,3 sky_radiance=0.5");
+    TerrainLighting* lighting = lightingOf(result);
+    ASSERT_TRUE(lighting) << result.message();
+    EXPECT_EQ(lighting->getSkyLight().sunAzimuth, 120.0);
+    EXPECT_EQ(lighting->getSkyLight().sunElevation, 12.5);
+    EXPECT_FALSE(lighting->getSkyLight().skyEnabled);
+    EXPECT_EQ(lighting->getSkyLight().sunIrradiance, (Rgb{1.0f, 2.0f, 3.0f}));
+    EXPECT_EQ(lighting->getSkyLight().skyRadiance, (Rgb{0.5f, 0.5f, 0.5f}));
+    EXPECT_EQ(lighting->getSettings().azimuths, 16);
+    EXPECT_EQ(lighting->getSettings().quality, HorizonQuality::Draft);
+    EXPECT_EQ(lighting->getSettings().exposure, -1.0);
+    auto off = read(dem + ".terrainlight", "light=off");
+    EXPECT_FALSE(lightingOf(off)->getLightEnabled());
+}
+
+TEST(Plugin, RefusesOptionsByName)
+{
+    const std::pair<const char*, const char*> bad[] = {
+        {"sun_elevation=95", "sun_elevation = \"95\": needs a number, -90 ... 90 degrees"},
+        {"sun_elevation=", "sun_elevation = \"\": needs a number"},
+        {"sun_elevation=1x", "needs a number"},
+        {"sun_azimuth=1,2", "needs a number"},
+        {"azimuths=30", "a multiple of 4"},
+        {"azimuths=nan", "azimuths = \"nan\""},
+        {"quality=super", "needs draft, normal or best"},
+        {"light=on", "needs off, sky, sun or both"},
+        {"sun_irradiance=1,2", "one number or three"},
+        {"sun_irradiance=1,2,-3", "0 ... 1e+06"},
+        {"colour=red", "colour = \"red\": no such setting; needs one of azimuths"},
+        {"cell_size=0", "cell_size = \"0\": needs a number of metres more than 0"},
+        {"fast", "reader option fast: needs NAME=VALUE"}};
+    for (const auto& [option, message] : bad)
+    {
+        auto result = read(dem + ".terrainlight", option);
+        EXPECT_FALSE(result.validNode()) << option;
+        EXPECT_NE(result.message().find(message), std::string::npos)
+            << option << ": " << result.message();
+        EXPECT_NE(result.message().find("jacksboro_90m.tif"), std::string::npos);
+    }
+}
+
+TEST(Plugin, TellsNotHandledFromNotFoundFromFailed)
+{
+    using Result = osgDB::ReaderWriter::ReadResult;
+    usePluginsOfThisBuild();
+    osgDB::ReaderWriter* reader =
+        osgDB::Registry::instance()->getReaderWriterForExtension("terrainlight");
+    ASSERT_TRUE(reader);
+    EXPECT_EQ(reader->readNode("x.tif", nullptr).status(), Result::FILE_NOT_HANDLED);
+    EXPECT_EQ(reader->readNode("no_such.tif.terrainlight", nullptr).status(),
+              Result::FILE_NOT_FOUND);
+    EXPECT_EQ(reader->readNode("no_such.earth", nullptr).status(), Result::FILE_NOT_FOUND);
+    const Folder folder;
+    auto failed = reader->readNode(folder.file("text.tif", "no raster") + ".terrainlight", nullptr);
+    EXPECT_EQ(failed.status(), Result::ERROR_IN_READING_FILE);
+    EXPECT_NE(failed.message().find("text.tif"), std::string::npos);
+}
+
+TEST(Plugin, WrapsAScene)
+{
+    usePluginsOfThisBuild();
+    const Folder folder;
+    osg::ref_ptr<osg::Group> scene = new osg::Group;
+    scene->setName("the scene");
+    const std::string path = (folder.path / "scene.osgt").string();
+    ASSERT_TRUE(osgDB::writeNodeFile(*scene, path));
+    auto result = read(path + ".terrainlight", "sun_azimuth=10 noRotation");
+    TerrainLighting* lighting = lightingOf(result);
+    ASSERT_TRUE(lighting) << result.message();
+    EXPECT_EQ(lighting->getSkyLight().sunAzimuth, 10.0);
+    ASSERT_EQ(lighting->getNumChildren(), 1u);
+    EXPECT_EQ(lighting->getChild(0)->getName(), "the scene");
+}
+
+TEST(Plugin, FindsFilesOnTheDataPathAndMapsOfStreams)
+{
+    usePluginsOfThisBuild();
+    osg::ref_ptr<osgDB::Options> options = new osgDB::Options;
+    options->getDatabasePathList().push_back(OTL_SOURCE_DIR "/samples/data");
+    EXPECT_TRUE(osgDB::readRefNodeFile("jacksboro_90m.tif.terrainlight", options));
+    EXPECT_EQ(options->getDatabasePathList().size(), 1u);
+
+    osgDB::ReaderWriter* reader = osgDB::Registry::instance()->getReaderWriterForExtension("earth");
+    ASSERT_TRUE(reader);
+    std::istringstream good("<map><elevation driver='gdal' url='jacksboro_90m.tif'/></map>");
+    EXPECT_TRUE(reader->readNode(good, options).validNode());
+    std::istringstream bad("<map>\n<terrain_light x='1'/></map>");
+    EXPECT_NE(reader->readNode(bad, options).message().find("map:2: <terrain_light> x"),
+              std::string::npos);
+}
+
+TEST(Plugin, NamesFileAndReasonOfBadRasters)
+{
+    const fs::path awkward = OTL_SHARED_DIR "/data/awkward";
+    if (!fs::exists(awkward))
+        GTEST_SKIP() << "skipped: no " << awkward;
+    const std::pair<const char*, const char*> bad[] = {
+        {"text_named.tif", "no raster"},     {"empty.tif", "is empty"},
+        {"truncated_everest.tif", ""},       {"rasterio_all-nodata.tif", "not a DEM"},
+        {"rasterio_rotated.tif", "rotated"}, {"fuji_1x1.tif", "1 x 1 posts; needs at least 2 x 2"},
+        {"fuji_600x1.tif", "needs at least"}};
+    for (const auto& [name, reason] : bad)
+    {
+        auto result = read((awkward / name).string() + ".terrainlight");
+        EXPECT_FALSE(result.validNode()) << name;
+        EXPECT_NE(result.message().find(name), std::string::npos) << result.message();
+        EXPECT_NE(result.message().find(reason), std::string::npos) << result.message();
+    }
+    std::size_t read_ = 0;
+    for (const auto& entry : fs::directory_iterator(awkward)) // whatever else: no crash
+        if (entry.path().extension() == ".tif" || entry.path().extension() == ".vrt" ||
+            entry.path().extension() == ".asc")
+            read_ += read(entry.path().string() + ".terrainlight").validNode() ? 1u : 0u;
+    EXPECT_GT(read_, 5u);
+    EXPECT_TRUE(read((awkward / "fuji_2x2.tif").string() + ".terrainlight").validNode());
+}
+
+TEST(Plugin, NamesARasterWithoutAnyHeight)
+{
+    const Folder folder;
+    const std::string path = folder.file("void.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\n"
+                                                     "cellsize 10\nNODATA_value -9999\n"
+                                                     "-9999 -9999 -9999\n-9999 -9999 -9999\n");
+    auto result = read(path + ".terrainlight");
+    EXPECT_FALSE(result.validNode());
+    EXPECT_NE(result.message().find("void.asc: holds no valid height"), std::string::npos)
+        << result.message();
+}
+
+TEST(Plugin, AveragesALargeRasterDown)
+{
+    const Folder folder;
+    std::ostringstream text;
+    text << "ncols 3000\nnrows 30\nxllcorner 0\nyllcorner 0\ncellsize 10\nNODATA_value -9999\n";
+    for (int row = 0; row < 30; ++row)
+        for (int column = 0; column < 3000; ++column)
+            text << (row < 2 ? -9999 : 100 + column % 2) << (column == 2999 ? '\n' : ' ');
+    const std::string path = folder.file("large.asc", text.str());
+    Said said;
+    auto result = read(path + ".terrainlight");
+    TerrainLighting* lighting = lightingOf(result);
+    ASSERT_TRUE(lighting) << result.message();
+    EXPECT_EQ(said.count("large.asc: 3000 x 30 posts are averaged to 2048 x 20"), 1) << said.text();
+    EXPECT_NEAR(lighting->getBound().radius(), 15000.0, 100.0);
+    EXPECT_NEAR(lighting->getBound().center().z(), 100.5, 1.0) << "a void entered an average";
+}
+
+TEST(Plugin, KeysChangeTheLightAndAreListed)
+{
+    osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
+    lighting->setKeysEnabled(true);
+    osg::ref_ptr<osgGA::EventVisitor> visitor = new osgGA::EventVisitor;
+    Actions actions;
+    visitor->setActionAdapter(&actions);
+    const auto press = [&](int key)
+    {
+        osg::ref_ptr<osgGA::GUIEventAdapter> event = new osgGA::GUIEventAdapter;
+        event->setEventType(osgGA::GUIEventAdapter::KEYDOWN);
+        event->setKey(key);
+        visitor->reset();
+        visitor->addEvent(event);
+        lighting->accept(*visitor);
+    };
+    const SkyLight before = lighting->getSkyLight();
+    press('r');
+    EXPECT_EQ(lighting->getSkyLight().sunAzimuth, before.sunAzimuth + 5.0);
+    press('R');
+    press('u');
+    EXPECT_EQ(lighting->getSkyLight().sunAzimuth, before.sunAzimuth);
+    EXPECT_EQ(lighting->getSkyLight().sunElevation, before.sunElevation + 2.0);
+    for (int i = 0; i < 200; ++i)
+        press('U');
+    EXPECT_EQ(lighting->getSkyLight().sunElevation, -90.0);
+    press('x');
+    EXPECT_EQ(lighting->getSettings().exposure, 0.5);
+    press('X');
+    press('X');
+    EXPECT_EQ(lighting->getSettings().exposure, -0.5);
+    press('k');
+    EXPECT_TRUE(lighting->getSkyLight().skyEnabled && !lighting->getSkyLight().sunEnabled);
+    press('k');
+    EXPECT_TRUE(!lighting->getSkyLight().skyEnabled && lighting->getSkyLight().sunEnabled);
+    press('k');
+    EXPECT_TRUE(lighting->getSkyLight().skyEnabled && lighting->getSkyLight().sunEnabled);
+    press('i');
+    EXPECT_FALSE(lighting->getLightEnabled());
+
+    const auto& listed = osg::ApplicationUsage::instance()->getKeyboardMouseBindings();
+    for (const char* key : {"r", "R", "u", "U", "x", "X", "i", "k"})
+        EXPECT_TRUE(listed.count(key)) << key;
+}

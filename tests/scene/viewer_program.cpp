@@ -1,0 +1,152 @@
+// Opens windows on a display, draws lit terrain in them while tiles and light change, and checks
+// each window's picture. Arguments: threading model, count of windows. Exit code 0, or 77 where
+// there is no display.
+#include <osgTerrainLight/TerrainLighting.h>
+
+#include "scene/TerrainModel.h"
+#include "support/AnalyticTerrain.h"
+
+#include <osgViewer/CompositeViewer>
+
+#include <atomic>
+#include <cstdlib>
+#include <iostream>
+#include <string>
+#include <vector>
+
+using namespace osgTerrainLight;
+
+namespace
+{
+constexpr int side = 200;
+
+/// Mean red of the north-western and south-eastern flank of the cone in the middle.
+class Flanks : public osg::Camera::DrawCallback
+{
+public:
+    void operator()(osg::RenderInfo&) const override
+    {
+        northWest = meanAt(side / 2 - 25, side / 2 + 25);
+        southEast = meanAt(side / 2 + 25, side / 2 - 25);
+        if (const GLenum error = glGetError())
+            std::cerr << "OpenGL error " << error << std::endl;
+    }
+    mutable std::atomic<double> northWest{0.0}, southEast{0.0};
+
+private:
+    static double meanAt(int x, int y)
+    {
+        std::vector<unsigned char> pixels(4 * 16 * 16);
+        glReadPixels(x - 8, y - 8, 16, 16, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+        double sum = 0.0;
+        for (std::size_t i = 0; i < pixels.size(); i += 4)
+            sum += pixels[i];
+        return sum / 256.0;
+    }
+};
+
+int failures = 0;
+void expect(bool condition, const std::string& what)
+{
+    if (!condition)
+        std::cerr << "failed: " << what << std::endl;
+    failures += condition ? 0 : 1;
+}
+} // namespace
+
+int main(int argc, char** argv)
+{
+    const std::string model = argc > 1 ? argv[1] : "SingleThreaded";
+    const int windows = argc > 2 ? std::atoi(argv[2]) : 1;
+
+    const DemTile cone = analytic::cone(65, 65, 10.0, 32, 32, 250.0, 250.0);
+    osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
+    lighting->setTimeBudget(0.0);
+    lighting->addChild(createTerrain(cone));
+
+    osgViewer::CompositeViewer viewer;
+    std::vector<osg::ref_ptr<Flanks>> flanks;
+    for (int i = 0; i < windows; ++i)
+    {
+        osg::ref_ptr<osg::GraphicsContext::Traits> traits = new osg::GraphicsContext::Traits;
+        traits->readDISPLAY();
+        traits->x = 20 + i * (side + 40);
+        traits->y = 20;
+        traits->width = traits->height = side;
+        traits->doubleBuffer = true;
+        osg::ref_ptr<osg::GraphicsContext> context =
+            osg::GraphicsContext::createGraphicsContext(traits);
+        if (!context)
+            return 77;
+        osg::ref_ptr<osgViewer::View> view = new osgViewer::View;
+        osg::Camera& camera = *view->getCamera();
+        camera.setGraphicsContext(context);
+        camera.setViewport(0, 0, side, side);
+        camera.setProjectionMatrixAsOrtho(-320, 320, -320, 320, 1.0, 1.0e6);
+        camera.setViewMatrixAsLookAt(osg::Vec3d(0, 0, 5.0e5), osg::Vec3d(), osg::Vec3d(0, 1, 0));
+        camera.setComputeNearFarMode(osg::CullSettings::DO_NOT_COMPUTE_NEAR_FAR);
+        flanks.push_back(new Flanks);
+        camera.setFinalDrawCallback(flanks.back());
+        view->setSceneData(lighting);
+        viewer.addView(view);
+    }
+    viewer.setThreadingModel(model == "DrawThreadPerContext"
+                                 ? osgViewer::ViewerBase::DrawThreadPerContext
+                             : model == "CullThreadPerCameraDrawThreadPerContext"
+                                 ? osgViewer::ViewerBase::CullThreadPerCameraDrawThreadPerContext
+                                 : osgViewer::ViewerBase::SingleThreaded);
+    viewer.realize();
+
+    const unsigned contexts = static_cast<unsigned>(windows);
+    const auto settle = [&]
+    {
+        for (int i = 0; i < 5; ++i)
+            viewer.frame();
+    };
+    const auto check = [&](bool fromNorthWest, const std::string& when)
+    {
+        settle();
+        for (const auto& flank : flanks)
+        {
+            const double difference = flank->northWest - flank->southEast;
+            expect(fromNorthWest ? difference > 40.0 : difference < -40.0,
+                   when + ": north-west less south-east is " + std::to_string(difference));
+        }
+    };
+    check(true, "sun in the north-west");
+    expect(lighting->getDispatchCount() == 4 * contexts, "each stage once per context");
+    for (int i = 0; i < 20; ++i)
+        viewer.frame();
+    expect(lighting->getDispatchCount() == 4 * contexts, "a still scene dispatches nothing");
+
+    SkyLight sky;
+    for (int i = 0; i < 40; ++i) // every frame another light
+    {
+        sky.sunAzimuth = 135.0 + 9.0 * (i + 1);
+        lighting->setSkyLight(sky);
+        LightingSettings settings;
+        settings.exposure = 0.01 * (i % 7);
+        settings.azimuths = i % 10 == 5 ? 16 : 32;
+        lighting->setSettings(settings);
+        lighting->setLightEnabled(i % 5 != 3);
+        viewer.frame();
+    }
+    sky.sunAzimuth = 135.0;
+    lighting->setSkyLight(sky);
+    lighting->setLightEnabled(true);
+    check(false, "sun in the south-east");
+    for (int i = 0; i < 20; ++i) // tiles come and go
+    {
+        osg::ref_ptr<osg::Node> terrain = createTerrain(cone);
+        lighting->addChild(terrain);
+        viewer.frame();
+        if (i % 3)
+            viewer.frame();
+        lighting->removeChild(terrain);
+        viewer.frame();
+    }
+    check(false, "after tiles came and went");
+    expect(lighting->getTileCount() == 1, "one tile is left");
+    viewer.stopThreading();
+    return failures ? 1 : 0;
+}

@@ -1,0 +1,139 @@
+#include "support/GlContext.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+namespace
+{
+struct Outcome
+{
+    int exitCode = -1;
+    std::string output;
+};
+
+Outcome run(const std::string& command)
+{
+    Outcome outcome;
+    FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+    if (!pipe)
+        return outcome;
+    std::array<char, 4096> buffer{};
+    while (std::fgets(buffer.data(), static_cast<int>(buffer.size()), pipe))
+        outcome.output += buffer.data();
+    const int status = pclose(pipe);
+    outcome.exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return outcome;
+}
+
+/// On a display of its own, with OSG's checks for OpenGL errors on and this build's plugins.
+Outcome runOnDisplay(const std::string& command, const std::string& environment = "")
+{
+    return run("timeout 240 xvfb-run -a -s '-screen 0 1024x768x24' env OSG_GL_ERROR_CHECKING=ON "
+               "OSG_NOTIFY_LEVEL=NOTICE LD_LIBRARY_PATH=" OTL_BINARY_DIR
+               "/lib:$LD_LIBRARY_PATH OSG_LIBRARY_PATH=" OTL_BINARY_DIR "/lib " +
+               environment + " " + command);
+}
+
+bool has(const std::string& program)
+{
+    return run("command -v " + program).exitCode == 0;
+}
+
+#define OTL_NEED(program)                                                                          \
+    if (!has(program))                                                                             \
+    GTEST_SKIP() << "skipped: needs " << program
+
+void expectNoGlError(const std::string& output)
+{
+    for (const char* sign : {"OpenGL error", "invalid enum", "invalid value", "invalid operation"})
+        EXPECT_EQ(output.find(sign), std::string::npos) << output;
+}
+
+/// osgviewer for `seconds`; it has no argument that ends it, so 124 says that it was still running.
+Outcome runOsgviewer(const std::string& arguments, const std::string& environment = "",
+                     int seconds = 5)
+{
+    return runOnDisplay("timeout " + std::to_string(seconds) +
+                            " osgviewer --window 10 10 320 240 " + arguments,
+                        environment);
+}
+
+const std::string sources = OTL_SOURCE_DIR;
+const std::string dem = sources + "/samples/data/jacksboro_90m.tif";
+} // namespace
+
+class ViewerThreads : public testing::TestWithParam<std::pair<const char*, int>>
+{
+};
+
+TEST_P(ViewerThreads, DrawWithoutErrors)
+{
+    OTL_NEED("xvfb-run");
+    const Outcome outcome =
+        runOnDisplay(std::string(OTL_BINARY_DIR "/bin/viewer_program ") + GetParam().first + " " +
+                     std::to_string(GetParam().second));
+    if (outcome.exitCode == 77)
+        GTEST_SKIP() << "skipped: no window on this display: " << outcome.output;
+    EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+    expectNoGlError(outcome.output);
+    EXPECT_EQ(outcome.output, "");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Models, ViewerThreads,
+    testing::Values(std::pair{"SingleThreaded", 1}, std::pair{"SingleThreaded", 2},
+                    std::pair{"DrawThreadPerContext", 1}, std::pair{"DrawThreadPerContext", 2},
+                    std::pair{"CullThreadPerCameraDrawThreadPerContext", 2}),
+    [](const auto& each)
+    { return std::string(each.param.first) + std::to_string(each.param.second); });
+
+TEST(Osgviewer, ShowsADemWithoutErrors)
+{
+    OTL_NEED("xvfb-run");
+    OTL_NEED("osgviewer");
+    for (const char* model : {"--SingleThreaded", "--DrawThreadPerContext"})
+    {
+        const Outcome outcome = runOsgviewer(std::string(model) + " " + dem + ".terrainlight");
+        EXPECT_EQ(outcome.exitCode, 124) << outcome.output;
+        EXPECT_EQ(outcome.output, "");
+    }
+}
+
+TEST(Osgviewer, ShowsAMapAndAllOfItThatCanBeRead)
+{
+    OTL_NEED("xvfb-run");
+    OTL_NEED("osgviewer");
+    Outcome outcome = runOsgviewer("-e terrainlight " + sources + "/earth_files/jacksboro.earth");
+    EXPECT_EQ(outcome.exitCode, 124) << outcome.output;
+    EXPECT_EQ(outcome.output, "");
+    outcome = runOsgviewer("-e terrainlight " + sources + "/earth_files/errors/missing_file.earth");
+    EXPECT_EQ(outcome.exitCode, 124) << outcome.output;
+    EXPECT_NE(outcome.output.find("no_such.tif"), std::string::npos) << outcome.output;
+    // A file that cannot be read beside one that can.
+    outcome = runOsgviewer(dem + ".terrainlight " + sources + "/README.md.terrainlight");
+    EXPECT_EQ(outcome.exitCode, 124) << outcome.output;
+    EXPECT_NE(outcome.output.find("README.md"), std::string::npos) << outcome.output;
+}
+
+TEST(Osgviewer, DrawsUnlitOnOldOpenGL)
+{
+    OTL_NEED("xvfb-run");
+    OTL_NEED("osgviewer");
+    for (const char* version : {"2.1", "3.0"})
+    {
+        const Outcome outcome =
+            runOsgviewer(dem + ".terrainlight", std::string("MESA_GL_VERSION_OVERRIDE=") + version);
+        EXPECT_EQ(outcome.exitCode, 124) << outcome.output;
+        if (outcome.output.empty())
+            GTEST_SKIP() << "skipped: this driver gives another version than asked for";
+        const std::size_t first = outcome.output.find("needs OpenGL 4.3");
+        EXPECT_NE(first, std::string::npos) << outcome.output;
+        EXPECT_EQ(outcome.output.find("needs OpenGL 4.3", first + 1), std::string::npos);
+        EXPECT_NE(outcome.output.find(version), std::string::npos) << outcome.output;
+        expectNoGlError(outcome.output);
+    }
+}
