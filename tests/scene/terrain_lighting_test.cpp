@@ -523,3 +523,22 @@ TEST(TerrainLighting, ReleasedAndResizedLikeAnyNode)
     EXPECT_EQ(lighting->getDispatchCounts().at("shade"), 5u);
     EXPECT_EQ(takeGlErrors(), "");
 }
+
+TEST(TerrainLighting, AContextThatSleptThroughASwitchIsLitAsTheOthers)
+{
+    OTL_NEED_GL(context);
+    osg::ref_ptr<TerrainLighting> lighting = litCone();
+    ScenePicture awake(lighting, reach);
+    ScenePicture asleep(lighting, reach);
+    awake.draw();
+    asleep.draw();
+    const SkyLight both;
+    SkyLight skyOnly = both;
+    skyOnly.sunEnabled = false;
+    lighting->setSkyLight(skyOnly);
+    awake.draw();
+    lighting->setSkyLight(both);
+    awake.draw();
+    asleep.draw();
+    EXPECT_TRUE(asleep.pixels() == awake.pixels());
+}

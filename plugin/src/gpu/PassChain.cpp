@@ -56,9 +56,11 @@ Status PassChain::run(osg::State& state)
         if (!entry.stage.needed())
         {
             entry.stage.destroy();
-            // What depended on it runs again without it, and it runs again once it is needed.
-            if (context.seen.erase(i) > 0)
-                context.derived[entry.output] = _next++;
+            // What depended on it runs again without it, and it runs again once it is needed: in
+            // every context, as its textures are gone for all of them.
+            for (auto& [id, other] : _contexts)
+                if (other.seen.erase(i) > 0)
+                    other.derived[entry.output] = _next++;
             continue;
         }
         std::vector<Version> inputs = inputVersions(entry, context);
