@@ -542,3 +542,45 @@ TEST(TerrainLighting, AContextThatSleptThroughASwitchIsLitAsTheOthers)
     asleep.draw();
     EXPECT_TRUE(asleep.pixels() == awake.pixels());
 }
+
+TEST(TerrainLighting, LightsAGeocentricTileByItsOwnNorth)
+{
+    OTL_NEED_GL(context);
+    // The cone again, at 45 degrees north, 120 degrees east, seen from above with north up.
+    const double latitude = osg::PI / 4.0, longitude = 2.0 * osg::PI / 3.0;
+    const osg::EllipsoidModel earth;
+    const double halfNorth = reach / 6.3674e6, halfEast = reach / (6.3888e6 * std::cos(latitude));
+    osg::ref_ptr<osgTerrain::Locator> locator = new osgTerrain::Locator;
+    locator->setCoordinateSystemType(osgTerrain::Locator::GEOCENTRIC);
+    locator->setTransformAsExtents(longitude - halfEast, latitude - halfNorth, longitude + halfEast,
+                                   latitude + halfNorth);
+    osg::ref_ptr<osgTerrain::TerrainTile> tile = tileWith(locator, 65);
+    auto* layer = dynamic_cast<osgTerrain::HeightFieldLayer*>(tile->getElevationLayer());
+    const DemTile cone = coneTile();
+    for (int row = 0; row < 65; ++row)
+        for (int column = 0; column < 65; ++column)
+            layer->getHeightField()->setHeight(static_cast<unsigned>(column),
+                                               static_cast<unsigned>(row),
+                                               cone.heightAt(column, row));
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    lighting->addChild(tile);
+    osg::Matrixd place;
+    earth.computeLocalToWorldTransformFromLatLongHeight(latitude, longitude, 0.0, place);
+    osg::ref_ptr<osg::MatrixTransform> scene =
+        new osg::MatrixTransform(osg::Matrixd::inverse(place));
+    scene->addChild(lighting);
+    std::vector<unsigned char> geocentric;
+    {
+        ScenePicture picture(scene, reach);
+        picture.draw(2);
+        geocentric = picture.pixels();
+    }
+    ScenePicture picture(litCone(), reach);
+    picture.draw();
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < geocentric.size(); ++i)
+        different += std::abs(geocentric[i] - picture.pixels()[i]) > 8 ? 1u : 0u;
+    // Other triangles along the outline of shadows, and the picture's edge.
+    EXPECT_LT(different, geocentric.size() / 50);
+    EXPECT_EQ(takeGlErrors(), "");
+}
