@@ -115,9 +115,10 @@ NearScan scanColumn(sampler2D heights, NearRays rays, NearScan scan, int column,
     {
         Length nearSide = crossesRow ? current[i + 1] : current[i];
         Length farSide = crossesRow ? current[i + 2] : current[i + 1];
-        Slope slope = (mix(nearSide, farSide, weight) - scan.here[i]) * inverseDistance;
+        Slope slope =
+            (crossingHeight(nearSide, farSide, weight) - scan.here[i]) * inverseDistance;
         Slope rowSlope =
-            (mix(scan.before[i + 1], current[i + 1], share) - scan.here[i]) * inverseRow;
+            (crossingHeight(scan.before[i + 1], current[i + 1], share) - scan.here[i]) * inverseRow;
         Slope atRow = crossesRow ? rowSlope : slope;
         Slope top = max(scan.best[i], max(slope, atRow));
         if (inside)

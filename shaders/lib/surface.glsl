@@ -2,13 +2,24 @@
 // posts on all sides, so that no read leaves it.
 
 // Stands for a void post in a height texture; a mask, since no height is within a factor 1e24 of it.
-// A bilinear mix with a void post stays below VOID_LIMIT, so a crossing next to a void casts nothing.
+// A bilinear mix with a void post stays below VOID_LIMIT, so a crossing next to a void casts nothing:
+// the greatest weight below 1 leaves -6e22 in float, -1e14 in double.
 GLSL_CONST Length VOID_HEIGHT = real(-1.0e30);
-GLSL_CONST Length VOID_LIMIT = real(-1.0e15);
+GLSL_CONST Length VOID_LIMIT = real(-1.0e12);
 
 bool isVoid(Length height)
 {
     return height < VOID_LIMIT;
+}
+
+// Height where a ray crosses the line between two neighbouring posts, `weight` of the way from a to b.
+// A weight that rounding, or a fused multiply-add, moved out of 0 ... 1 is the end's: beyond it a void
+// would cast, 1e30 times the slip high. Written out, since mix(a, b, 1) need not be b: a + (b - a) is 0
+// where a is void; but level ground must stay exactly level.
+Length crossingHeight(Length a, Length b, real weight)
+{
+    Length between = a + (b - a) * max(weight, real(0.0));
+    return weight < real(1.0) ? between : b;
 }
 
 Length postHeight(sampler2D heights, ivec2 post)
