@@ -170,13 +170,3 @@ bool hidesOrEquals(vec2 eye, vec2 nearer, vec2 farther)
 {
     return (farther.x - eye.x) * (eye.y - nearer.y) >= (nearer.x - eye.x) * (eye.y - farther.y);
 }
-
-// Elevation between two lines, the second's share 0 ... 1. A line with nothing ahead of it (-90
-// degrees) says nothing: at the edge of the data the other one is asked alone.
-Angle mixElevations(Angle first, Angle second, real shareOfSecond)
-{
-    Angle nothing = real(-0.99999) * HALF_PI;
-    Angle mixed = mix(first, second, shareOfSecond);
-    mixed = second < nothing ? first : mixed;
-    return first < nothing ? second : mixed;
-}

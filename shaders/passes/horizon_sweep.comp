@@ -1,11 +1,13 @@
 // The far part of horizons: one invocation walks one line of one direction, away from where it looks,
 // and keeps the upper hull of the line's samples (Timonen and Westerholm 2010, sections 4 and 5). A
-// post asks the two lines that it stands between, with its own height, and mixes what they say: exact
-// on any plane. Samples closer than `reach` steps are left to horizon_near.comp, which sees them where
-// they really are.
+// post stands between two lines, up to a post's width aside, so their horizons are not its own: it only
+// asks each line where the horizon is, and measures the surface on its own ray there and a step to
+// either side. The result is a slope that the ray really meets: exact on planes, never too high.
+// Samples closer than `reach` steps are left to horizon_near.comp.
 //
-// Two dispatches: lines of even number (PARITY 0) write, then those of odd number mix with what they
-// find. POSTS_PER_STEP: posts that a line serves in a step, 2 where there is one line per post, else 1.
+// ASKED 1: one dispatch, a post asks its nearest line. ASKED 2: it asks the two lines that it stands
+// between; lines of even number (PARITY 0) write, then, in a second dispatch, those of odd number keep
+// the higher.
 layout(local_size_x = 32) in;
 
 uniform sampler2D heights;      // R32F [m], framed by `frame` void posts, row 0 south
@@ -27,9 +29,13 @@ uniform vec4 directions[256];
 const int HULL_CAPACITY = HULL_SIZE;
 const int CHUNK = 32;
 
-// Of a line's share in a post. A post with less of its even line than this takes its odd line alone, so
-// rounding cannot leave it with a line that did not write.
-const float MARGIN = 0.01;
+const float LEAD = ASKED == 1 ? 0.5 : 0.0;
+// Posts that a line serves in a step: two where it is one of two lines, one per post.
+#if ASKED == 2 && !defined(DENSE)
+const int POSTS_PER_STEP = 2;
+#else
+const int POSTS_PER_STEP = 1;
+#endif
 
 void main()
 {
@@ -42,7 +48,7 @@ void main()
     int breadth = north ? size.x : size.y;
 
     // Line j stands at minor coordinate lineStart + drift * i over major coordinate i.
-    int line = 2 * int(gl_GlobalInvocationID.x) + PARITY;
+    int line = ASKED * int(gl_GlobalInvocationID.x) + PARITY;
     float perPost = float(linesPerPost);
     float shift = max(drift, 0.0) * float(steps - 1);
     float lineStart = float(line) / perPost - shift;
@@ -107,45 +113,62 @@ void main()
                 }
             }
 
-            // The posts that this line is one of the two lines of: the two beside it, or, where there
-            // is more than one line per post, the nearest at most.
             int major = start - look * walked;
-            float minor = lineStart + drift * float(major);
-            int nearest = int(floor(POSTS_PER_STEP == 2 ? minor : minor + 0.5));
+            float drifted = drift * float(major);
+            int beside = int(floor(lineStart + drifted));
             for (int side = 0; side < POSTS_PER_STEP; ++side)
             {
-                float aside = float(nearest + side) - minor;
-                float share = 1.0 - abs(aside) * perPost;
-                // Along the tile's edges one line of the two may run outside: then the other counts alone.
-                float other = minor + (aside < 0.0 ? -1.0 : 1.0) / perPost;
-                bool otherIn = other > -MARGIN && other < float(breadth - 1) + MARGIN;
-                bool inside = minor > -MARGIN && minor < float(breadth - 1) + MARGIN;
-                bool served = nearest + side >= 0 && nearest + side < breadth && share > -MARGIN && inside;
+                // Which lines a post asks follows from the post, so that rounding cannot give it more
+                // or fewer. `lead`: the line asked, or the first of two.
+                int minor = beside + side;
+                int lead = int(floor((float(minor) - drifted + shift) * perPost + LEAD));
+                bool mine = lead == line || (ASKED == 2 && lead + 1 == line);
+                if (POSTS_PER_STEP == 1 && !mine)
+                {
+                    ++minor;
+                    lead = int(floor((float(minor) - drifted + shift) * perPost + LEAD));
+                    mine = lead == line || (ASKED == 2 && lead + 1 == line);
+                }
+                bool served = minor >= 0 && minor < breadth && mine;
                 if (served)
                 {
-                    ivec2 post = north ? ivec2(nearest + side, major) : ivec2(major, nearest + side);
-                    Slope slope = NO_HORIZON;
-                    if (vertices > 0)
+                    ivec2 post = north ? ivec2(minor, major) : ivec2(major, minor);
+                    vec2 eye = vec2(postHeight(heights, post + frame), float(walked));
+                    float turn = drift * float(look); // of the ray, per step
+                    float room = turn < 0.0 ? float(minor) : float(breadth - 1 - minor);
+                    float exit = room / max(abs(turn), 1.0e-9); // steps to the edge of the data
+                    float oldest = eye.y - exit;
+
+                    vec2 nearer = newest;
+                    vec2 farther = second;
+                    int rest = vertices - 1;
+                    while (rest > 0 && farther.y >= oldest && hidesOrEquals(eye, nearer, farther))
                     {
-                        vec2 eye = vec2(postHeight(heights, post + frame), float(walked));
-                        vec2 nearer = newest;
-                        vec2 farther = second;
-                        int rest = vertices - 1;
-                        while (rest > 0 && hidesOrEquals(eye, nearer, farther))
-                        {
-                            nearer = farther;
-                            --rest;
-                            farther = hull[max(rest - 1, 0)];
-                        }
-                        slope = (nearer.x - eye.x) / (eye.y - nearer.y);
+                        nearer = farther;
+                        --rest;
+                        farther = hull[max(rest - 1, 0)];
+                    }
+                    Slope slope = NO_HORIZON;
+                    for (int i = -1; i <= 1; ++i)
+                    {
+                        float steps = eye.y - nearer.y + float(i);
+                        bool onRay = vertices > 0 && steps > float(reach) && steps <= exit &&
+                                     steps <= float(walked);
+                        steps = onRay ? steps : 0.0;
+                        float offset = turn * steps;
+                        int whole = int(floor(offset));
+                        ivec2 at = post + frame + (north ? ivec2(whole, look * int(steps))
+                                                         : ivec2(look * int(steps), whole));
+                        float a = postHeight(heights, at);
+                        float b = postHeight(heights, at + (north ? ivec2(1, 0) : ivec2(0, 1)));
+                        float rise = mix(a, b, offset - float(whole)) - eye.x;
+                        slope = onRay ? max(slope, rise / steps) : slope;
                     }
                     float stepLength = texelFetch(stepLengths, ivec2(layer, post.y), 0).x;
-                    float elevation = elevationOfSlope(slope / stepLength);
-                    if (PARITY == 1 && share < 1.0 - MARGIN && otherIn)
-                        elevation = mixElevations(
-                            elevation, elevationOfCode(imageLoad(horizon, ivec3(post, layer)).x),
-                            1.0 - share);
-                    imageStore(horizon, ivec3(post, layer), vec4(codeOfElevation(elevation)));
+                    float code = codeOfElevation(elevationOfSlope(slope / stepLength));
+                    if (PARITY == 1)
+                        code = max(code, imageLoad(horizon, ivec3(post, layer)).x);
+                    imageStore(horizon, ivec3(post, layer), vec4(code));
                 }
             }
         }

@@ -18,7 +18,7 @@ struct ExrChannel
     std::vector<float> values;
 };
 
-struct ExrImage
+struct OSGTERRAINLIGHT_EXPORT ExrImage
 {
     int width = 0;
     int height = 0;

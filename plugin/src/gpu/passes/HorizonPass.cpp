@@ -20,11 +20,11 @@ HorizonScheme HorizonScheme::of(HorizonQuality quality)
     switch (quality)
     {
     case HorizonQuality::Draft:
-        return {4, 1, 2};
+        return {2, 1, 1, 2};
     case HorizonQuality::Best:
-        return {32, 2, 16};
+        return {16, 2, 2, 12};
     default:
-        return {12, 1, 6};
+        return {8, 1, 1, 6};
     }
 }
 
@@ -34,15 +34,21 @@ HorizonPass::HorizonPass(const DemTile& tile, osg::Texture2D* heights, const Hor
       _eastSpacings(tile.eastSpacings), _nominalEastSpacing(tile.nominalEastSpacing()),
       _scheme(scheme), _near(new GpuPass("horizon_near"))
 {
-    for (int parity = 0; parity < 2; ++parity)
-        _sweeps[parity] =
-            new GpuPass("horizon_sweep",
-                        {"HULL_SIZE 128", "PARITY " + std::to_string(parity),
-                         std::string("POSTS_PER_STEP ") + (scheme.linesPerPost == 1 ? "2" : "1")});
+    for (int parity = 0; parity < scheme.linesAsked; ++parity)
+    {
+        std::vector<std::string> defines = {"HULL_SIZE 128",
+                                            "ASKED " + std::to_string(scheme.linesAsked),
+                                            "PARITY " + std::to_string(parity)};
+        if (scheme.linesPerPost > 1)
+            defines.push_back("DENSE");
+        _sweeps.push_back(new GpuPass("horizon_sweep", defines));
+    }
     _stepLengths = createFloatTexture(Raster<float>(directionCount, _height, 1.0f));
     _horizon = createLayeredTarget(_width, _height, directionCount, GL_R16);
     _dropped = createTarget(1, 1, GL_R32UI);
-    for (const auto& pass : {_sweeps[0], _sweeps[1], _near})
+    std::vector<osg::ref_ptr<GpuPass>> passes = _sweeps;
+    passes.push_back(_near);
+    for (const auto& pass : passes)
     {
         pass->reads("heights", heights);
         pass->reads("stepLengths", _stepLengths);
@@ -96,21 +102,23 @@ void HorizonPass::setDirections(const std::vector<MapDirection>& directions)
         }
     }
     _stepLengths = createFloatTexture(lengths);
-    for (const auto& pass : {_sweeps[0], _sweeps[1], _near})
-        pass->reads("stepLengths", _stepLengths);
     for (const auto& sweep : _sweeps)
+    {
+        sweep->reads("stepLengths", _stepLengths);
         sweep->set(table);
+    }
+    _near->reads("stepLengths", _stepLengths);
 }
 
 Status HorizonPass::dispatch(osg::State& state)
 {
     assert(!_directions.empty());
     Status done = Nothing{};
-    for (int parity = 0; done && parity < 2; ++parity)
-    {
-        done = _sweeps[parity]->dispatch(state, {GpuPass::groupsFor(_maxLines / 2 + 1, 32), 1,
-                                                 static_cast<unsigned>(_directions.size())});
-    }
+    for (const auto& sweep : _sweeps)
+        if (done)
+            done =
+                sweep->dispatch(state, {GpuPass::groupsFor(_maxLines / _scheme.linesAsked + 1, 32),
+                                        1, static_cast<unsigned>(_directions.size())});
     for (std::size_t i = 0; done && i < _directions.size(); ++i)
     {
         const bool north = _directions[i].z() != 0.0f;

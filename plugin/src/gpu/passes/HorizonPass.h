@@ -19,8 +19,9 @@ namespace osgTerrainLight
 /// What a quality stands for. docs/ARCHITECTURE.md has the measurements that chose the numbers.
 struct OSGTERRAINLIGHT_EXPORT HorizonScheme
 {
-    int reach = 12;       ///< steps of the near field, 1 … 64
+    int reach = 8;        ///< steps of the near field, 1 … 64
     int linesPerPost = 1; ///< lines of the sweep per post, 1 … 8
+    int linesAsked = 1;   ///< by each post: 1, the nearest, or 2
     int insideReach = 6;  ///< steps in which maxima inside cells count too, 1 … reach
 
     static HorizonScheme of(HorizonQuality quality);
@@ -67,7 +68,7 @@ private:
     osg::ref_ptr<osg::Texture2D> _stepLengths;
     osg::ref_ptr<osg::Texture2DArray> _horizon;
     osg::ref_ptr<osg::Texture2D> _dropped;
-    osg::ref_ptr<GpuPass> _sweeps[2]; ///< even lines, odd lines
+    std::vector<osg::ref_ptr<GpuPass>> _sweeps; ///< all lines; or even lines, odd lines
     osg::ref_ptr<GpuPass> _near;
 };
 
