@@ -26,6 +26,7 @@ namespace
 constexpr double readEnd = 0.1;
 constexpr double computeEnd = 0.8;
 
+constexpr int signals[] = {SIGINT, SIGTERM};
 volatile std::sig_atomic_t waitingSignal = 0;
 
 void keepSignal(int signal)
@@ -68,53 +69,6 @@ CLI::Option* addCheckedNumbers(CLI::App& app, const std::string& option,
         set(values);
     };
     return app.add_option_function<std::string>(option, read, help)->type_name(typeName);
-}
-
-/// Finds out before the work what else would show after it: no such folder, driver or creation
-/// option, a driver without floats. bands: of floats; 0 for a picture or EXR file.
-Status probe(const OutputOptions& output, int bands)
-{
-    if (isExr(output) && !output.creationOptions.empty())
-        return Error{ErrorCode::NotSupported,
-                     output.path + ": OpenEXR files have no creation options (-co)"};
-    RasterFrame pixel;
-    pixel.width = pixel.height = 1;
-    OutputOptions options = output;
-    if (isExr(output)) // not GDAL's to write: the folder is what matters
-        options.format = "GTiff";
-    const DeferredSignals deferred;
-    {
-        Result<RasterWriter> writer =
-            RasterWriter::open(output.path, pixel, {{}}, writeOptions(options, {}));
-        if (!writer)
-            return writer.error();
-    } // the writer goes, and what it made with it
-    if (bands == 0)
-        return Nothing{};
-
-    const std::string parent = CPLGetPath(output.path.c_str());
-    const std::string name = CPLGetFilename(output.path.c_str());
-    const std::string folder = CPLFormFilename(
-        parent.c_str(), CPLSPrintf(".%s.probe-%d", name.c_str(), int(CPLGetCurrentProcessID())),
-        nullptr);
-    const std::string path = folder + "/" + name;
-    VSIMkdir(folder.c_str(), 0755);
-    const std::vector<RasterBand> floats(static_cast<std::size_t>(bands),
-                                         {{}, Raster<float>(1, 1)});
-    Status written = writeRaster(path, pixel, floats, writeOptions(options, {}));
-    VSIRmdirRecursive(folder.c_str());
-    if (written)
-        return written;
-    std::string message = written.error().message;
-    // GDAL names the file in the folder.
-    for (std::size_t at = 0; (at = message.find(folder, at)) != std::string::npos;)
-    {
-        const std::size_t end = message.find("/" + name, at);
-        message.replace(at, end == std::string::npos ? end : end + 1 + name.size() - at,
-                        output.path);
-        at += output.path.size();
-    }
-    return Error{written.error().code, message};
 }
 
 /// Computes the light of lit.dem: what is not shared by all azimuths first, so that progress shows.
@@ -263,6 +217,51 @@ void addSettings(CLI::App& app, LightingSettings& settings, bool azimuths)
         ->check(CLI::IsMember({"draft", "normal", "best"}));
 }
 
+Status checkOutput(const OutputOptions& output, int bands)
+{
+    if (isExr(output) && !output.creationOptions.empty())
+        return Error{ErrorCode::NotSupported,
+                     output.path + ": OpenEXR files have no creation options (-co)"};
+    RasterFrame pixel;
+    pixel.width = pixel.height = 1;
+    OutputOptions options = output;
+    if (isExr(output)) // not GDAL's to write: the folder is what matters
+        options.format = "GTiff";
+    const DeferredSignals deferred;
+    {
+        Result<RasterWriter> writer =
+            RasterWriter::open(output.path, pixel, {{}}, writeOptions(options, {}));
+        if (!writer)
+            return writer.error();
+    } // the writer goes, and what it made with it
+    if (bands == 0)
+        return Nothing{};
+
+    const std::string parent = CPLGetPath(output.path.c_str());
+    const std::string name = CPLGetFilename(output.path.c_str());
+    const std::string folder = CPLFormFilename(
+        parent.c_str(), CPLSPrintf(".%s.probe-%d", name.c_str(), int(CPLGetCurrentProcessID())),
+        nullptr);
+    const std::string path = folder + "/" + name;
+    VSIMkdir(folder.c_str(), 0755);
+    const std::vector<RasterBand> floats(static_cast<std::size_t>(bands),
+                                         {{}, Raster<float>(1, 1)});
+    Status written = writeRaster(path, pixel, floats, writeOptions(options, {}));
+    VSIRmdirRecursive(folder.c_str());
+    if (written)
+        return written;
+    std::string message = written.error().message;
+    // GDAL names the file in the folder.
+    for (std::size_t at = 0; (at = message.find(folder, at)) != std::string::npos;)
+    {
+        const std::size_t end = message.find("/" + name, at);
+        message.replace(at, end == std::string::npos ? end : end + 1 + name.size() - at,
+                        output.path);
+        at += output.path.size();
+    }
+    return Error{written.error().code, message};
+}
+
 void refuseSameFile(const std::string& input, const std::string& output)
 {
     std::error_code ignored;
@@ -358,14 +357,18 @@ void Progress::reach(double fraction)
 
 DeferredSignals::DeferredSignals()
 {
-    std::signal(SIGINT, keepSignal);
-    std::signal(SIGTERM, keepSignal);
+    for (std::size_t i = 0; i < 2; ++i)
+    {
+        _previous[i] = std::signal(signals[i], keepSignal);
+        if (_previous[i] == SIG_IGN) // as nohup does, and shells for what runs in the background
+            std::signal(signals[i], SIG_IGN);
+    }
 }
 
 DeferredSignals::~DeferredSignals()
 {
-    std::signal(SIGINT, SIG_DFL);
-    std::signal(SIGTERM, SIG_DFL);
+    for (std::size_t i = 0; i < 2; ++i)
+        std::signal(signals[i], _previous[i]);
     if (waitingSignal != 0)
         std::raise(waitingSignal);
 }
@@ -458,7 +461,7 @@ Status process(const std::string& mode, const RasterOptions& options, const SkyL
     Result<DemInfo> info = describeDem(path, options.read);
     if (!info)
         return info.error();
-    if (Status writable = probe(options.output, bands); !writable)
+    if (Status writable = checkOutput(options.output, bands); !writable)
         return writable;
     for (const std::string& note : info->notes)
         warn(path + ": " + note);

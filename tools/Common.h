@@ -94,6 +94,10 @@ void addOutputOptions(CLI::App& app, OutputOptions& output);
 /// True where OpenEXR writes it, not GDAL: by its format, else by its extension.
 bool isExr(const OutputOptions& output);
 
+/// Finds out before the work what else would show after it: no such folder, driver or creation
+/// option, a driver without floats. bands: of floats; 0 for a picture or EXR file.
+Status checkOutput(const OutputOptions& output, int bands);
+
 /// A mistake in the command line where both are one file.
 void refuseSameFile(const std::string& input, const std::string& output);
 
@@ -133,6 +137,9 @@ public:
     DeferredSignals& operator=(const DeferredSignals&) = delete;
     /// An error where a signal waits.
     static Status check();
+
+private:
+    void (*_previous[2])(int);
 };
 
 struct Gpu

@@ -189,6 +189,8 @@ std::vector<std::uint8_t> draw(osgViewer::Viewer& viewer, const Options& options
 Status run(const CLI::App& app, const Options& options)
 {
     refuseSameFile(options.scene, options.output.path);
+    if (Status writable = checkOutput(options.output, 0); !writable)
+        return writable;
     const Result<Gpu> gpu = openGpu(options.width, options.height);
     if (!gpu)
         return gpu.error();

@@ -1,0 +1,242 @@
+// Inputs and outputs that cannot be used: the exit status, what is said, and nothing left behind.
+#include "ToolRun.h"
+
+#include "support/SharedData.h"
+
+#include <cmath>
+#include <csignal>
+
+using namespace osgTerrainLight;
+using namespace osgTerrainLight::testing;
+
+namespace
+{
+
+const std::string quick = " -q --quality draft --azimuths 8";
+
+/// Tests of failures that come before OpenGL is asked for.
+using Failure = ToolTest;
+using GlFailure = GlToolTest;
+
+TEST_F(Failure, InputNamesFileAndReason)
+{
+    std::ofstream(path("empty.tif"));
+    std::ofstream(path("text.tif")) << "not a raster\n";
+    writeRaster("nan.tif", 2, 2, std::vector<float>(4, -9999.0f), {0, 10, 0, 0, 0, -10});
+    writeRaster("rotated.tif", 2, 2, std::vector<float>(4, 1.0f), {0, 10, 5, 0, 5, -10});
+    const auto before = left();
+    const struct
+    {
+        const char* input;
+        const char* reason;
+    } inputs[] = {{"missing.tif", "no such file"},
+                  {"empty.tif", "is empty"},
+                  {"text.tif", "no raster"},
+                  {"rotated.tif", "rotated"},
+                  {".", "folder"}};
+    for (const std::string mode : {"horizon", "svf", "shadow", "shade", "info"})
+        for (const auto& input : inputs)
+        {
+            const ToolRun result =
+                run(mode + " " + input.input + (mode == "info" ? "" : " o.tif -q"));
+            EXPECT_EQ(result.status, 1);
+            EXPECT_TRUE(result.complains(std::string("terrainlight: ") + input.input))
+                << result.err;
+            EXPECT_TRUE(result.complains(input.reason)) << result.err;
+            EXPECT_EQ(left(), before);
+        }
+}
+
+TEST_F(Failure, OutputIsCheckedBeforeTheWork)
+{
+    const struct
+    {
+        const char* output;
+        const char* reason;
+    } outputs[] = {{"nowhere/o.tif", "cannot write into nowhere"},
+                   {"o.tif -of NOPE", "no driver \"NOPE\""},
+                   {"o.tif -of AIG", "does not write"},
+                   {"o.frob", ".frob"},
+                   {"o.png", "Float32"},
+                   {"o.tif -co FROB=1", "FROB"},
+                   {".", "is a folder"}};
+    for (const auto& output : outputs)
+    {
+        SCOPED_TRACE(output.output);
+        const ToolRun result = run("svf " + jacksboro + " " + output.output);
+        EXPECT_EQ(result.status, 1);
+        EXPECT_EQ(result.out, "") << "no progress: nothing was begun";
+        EXPECT_TRUE(result.complains(output.reason)) << result.err;
+        EXPECT_FALSE(result.complains("probe")) << result.err;
+        EXPECT_TRUE(left().empty());
+    }
+    const ToolRun bands = run("horizon " + jacksboro + " h.asc");
+    EXPECT_EQ(bands.status, 1);
+    EXPECT_TRUE(bands.complains("h.asc: cannot be written as AAIGrid: h.asc: ")) << bands.err;
+    const ToolRun exr = run("shade " + jacksboro + " s.exr -co COMPRESS=ZIP");
+    EXPECT_EQ(exr.status, 1);
+    EXPECT_TRUE(exr.complains("s.exr")) << exr.err;
+    EXPECT_TRUE(left().empty());
+}
+
+TEST_F(Failure, WindowAndBandAreTheInputs)
+{
+    for (const char* option : {"-srcwin 400 0 10 10", "-srcwin -1 0 10 10", "-srcwin 0 0 0 5",
+                               "-srcwin 2147483647 0 2147483647 1", "--band 2", "--band 0"})
+    {
+        const ToolRun result = run("svf " + jacksboro + " o.tif -q " + option);
+        EXPECT_EQ(result.status, 1) << option;
+        EXPECT_TRUE(result.complains(jacksboro)) << result.err;
+        EXPECT_TRUE(left().empty());
+    }
+}
+
+TEST_F(Failure, NoOpenGlIsOneSentence)
+{
+    // Mesa's switch: an OpenGL too old; elsewhere the driver may not care.
+    const ToolRun result = run("svf " + jacksboro + " o.tif -q -srcwin 0 0 8 8",
+                               "export MESA_GL_VERSION_OVERRIDE=3.0");
+    if (result.status == 0)
+        GTEST_SKIP() << "skipped: this driver's version cannot be overridden";
+    EXPECT_EQ(result.status, 1);
+    EXPECT_TRUE(result.complains("OpenGL")) << result.err;
+    EXPECT_TRUE(left().empty());
+}
+
+TEST_F(GlFailure, AllVoidIsRefused)
+{
+    writeRaster("void.tif", 4, 4, std::vector<float>(16, -9999.0f), {0, 10, 0, 0, 0, -10});
+    const ToolRun result = run("svf void.tif o.tif" + quick);
+    EXPECT_EQ(result.status, 1);
+    EXPECT_TRUE(result.complains("void.tif: holds no valid height")) << result.err;
+    EXPECT_EQ(left(), std::set<std::string>{"void.tif"});
+}
+
+TEST_F(GlFailure, AnExistingOutputSurvives)
+{
+    std::ofstream(path("o.tif")) << "precious";
+    writeRaster("void.tif", 4, 4, std::vector<float>(16, -9999.0f), {0, 10, 0, 0, 0, -10});
+    EXPECT_EQ(run("svf void.tif o.tif -q").status, 1);
+    EXPECT_EQ(contentOf(path("o.tif")), "precious");
+    EXPECT_EQ(run("svf " + jacksboro + " o.tif -srcwin 0 0 8 8" + quick).status, 0);
+    EXPECT_EQ(ReadRaster(path("o.tif")).width, 8);
+}
+
+TEST_F(GlFailure, TinyAndThin)
+{
+    for (const auto& [width, height] : {std::pair<int, int>{1, 1}, {2, 2}, {60, 1}, {1, 60}})
+    {
+        std::vector<float> heights;
+        for (int i = 0; i < width * height; ++i)
+            heights.push_back(static_cast<float>(i % 5));
+        writeRaster("d.tif", width, height, heights, {0, 10, 0, 0, 0, -10});
+        for (const std::string mode : {"horizon", "svf", "shade"})
+        {
+            const ToolRun result = run(mode + " d.tif o.tif" + quick);
+            ASSERT_EQ(result.status, 0) << mode << ": " << result.err;
+            const ReadRaster raster(path("o.tif"));
+            EXPECT_EQ(raster.width, width);
+            EXPECT_EQ(raster.height, height);
+            for (const std::vector<float>& band : raster.bands)
+                for (const float value : band)
+                {
+                    EXPECT_TRUE(std::isfinite(value)) << mode;
+                    EXPECT_NE(value, -9999.0f) << mode << ": no post is void";
+                }
+        }
+    }
+}
+
+TEST_F(GlFailure, SharedAwkwardRasters)
+{
+    OTL_SKIP_WITHOUT_SHARED_DATA();
+    const struct
+    {
+        const char* name;
+        const char* reason; // null: a result
+    } files[] = {{"empty.tif", "is empty"},
+                 {"text_named.tif", "no raster"},
+                 {"truncated_everest.tif", "no raster"},
+                 {"truncated_cog.tif", "cannot read rows"},
+                 {"rasterio_all-nodata.tif", "picture"},
+                 {"rasterio_rotated.tif", "rotated"},
+                 {"fuji_1x1.tif", nullptr},
+                 {"fuji_2x2.tif", nullptr},
+                 {"fuji_600x1.tif", nullptr},
+                 {"everest_voids_256.tif", nullptr},
+                 {"rasterio_float_nan.tif", nullptr},
+                 {"rainier_feet_scale_offset.tif", nullptr},
+                 {"fuji_moved_northpole.tif", nullptr},
+                 {"olinda_dem_utm25s.tif", nullptr},
+                 {"gdal_nodata_float.asc", nullptr}};
+    for (const auto& file : files)
+    {
+        SCOPED_TRACE(file.name);
+        const std::string input = sharedData(std::string("awkward/") + file.name);
+        const ToolRun result = run("svf " + input + " o.tif" + quick);
+        EXPECT_EQ(result.out, "");
+        if (file.reason)
+        {
+            EXPECT_EQ(result.status, 1);
+            EXPECT_TRUE(result.complains(file.reason)) << result.err;
+            EXPECT_TRUE(result.complains(file.name)) << result.err;
+            EXPECT_TRUE(left().empty());
+            continue;
+        }
+        ASSERT_EQ(result.status, 0) << result.err;
+        const ReadRaster output(path("o.tif"));
+        const ReadRaster source(input);
+        expectSamePlace(output, source);
+        int declared = FALSE;
+        const double stored = source.dataset->GetRasterBand(1)->GetNoDataValue(&declared);
+        for (std::size_t i = 0; i < output.bands[0].size(); ++i)
+        {
+            const float value = output.bands[0][i];
+            const float height = source.bands[0][i];
+            const bool isVoid =
+                std::isnan(height) || (declared && height == static_cast<float>(stored));
+            EXPECT_EQ(value == -9999.0f, isVoid) << i;
+            EXPECT_TRUE(isVoid || (value >= 0.0f && value <= 1.0001f)) << value;
+        }
+        EXPECT_EQ(left(), std::set<std::string>{"o.tif"});
+        std::filesystem::remove(path("o.tif"));
+    }
+}
+
+TEST_F(GlFailure, ZippedInput)
+{
+    OTL_SKIP_WITHOUT_SHARED_DATA();
+    const ToolRun result = run("svf /vsizip/" + sharedData("awkward/N10W110.hgt.zip") +
+                               "/N10W110.hgt o.tif -srcwin 0 0 64 64" + quick);
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_EQ(ReadRaster(path("o.tif")).width, 64);
+}
+
+// A signal at any moment: the run ends by it, and no partial file is left.
+TEST_F(GlFailure, InterruptLeavesNothing)
+{
+    ASSERT_EQ(run("generate fractal big.tif --size 700 -q").status, 0);
+    const auto before = left();
+    int interrupted = 0;
+    for (const char* delay : {"0.05", "0.3", "0.6", "1", "1.5", "2", "3"})
+    {
+        // exec keeps the shell's process id; a sleeping child of it signals that.
+        const ToolRun result =
+            run("horizon big.tif h.tif -q --azimuths 64 --quality draft -co COMPRESS=DEFLATE",
+                std::string("{ (sleep ") + delay + "; kill -TERM $$) >/dev/null 2>&1 & }");
+        if (result.status == 0)
+        {
+            EXPECT_EQ(ReadRaster(path("h.tif")).count, 64);
+            std::filesystem::remove(path("h.tif"));
+        }
+        else
+        {
+            EXPECT_EQ(result.status, -SIGTERM);
+            ++interrupted;
+        }
+        EXPECT_EQ(left(), before) << "after " << delay << " s";
+    }
+    EXPECT_GT(interrupted, 0);
+}
+
+} // namespace
