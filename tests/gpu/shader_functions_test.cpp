@@ -1,0 +1,400 @@
+#include "gpu/GpuPass.h"
+#include "gpu/Textures.h"
+#include "support/GlContext.h"
+#include "support/Precisions.h"
+#include "support/ShaderFolder.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <random>
+#include <vector>
+
+// Third step of the proof: functions of shaders/lib on the GPU against the same source in float on
+// the CPU. The tolerances leave room for what GLSL leaves to a driver: fused multiply-adds, a
+// division within 2.5 units in the last place, a square root within 3, and sin and cos, which GLSL
+// does not bound at all and hardware gives within 2^-20.
+
+using namespace osgTerrainLight;
+
+namespace
+{
+constexpr double pi = 3.14159265358979323846;
+constexpr double ulp = 1.0 / (1 << 23); // of 1
+constexpr double sine = 1.0 / (1 << 20);
+
+using G = Glsl<float>;
+
+/// Runs `body` once per column of `arguments`; in it, arg(i) is row i of the column and put(i, v)
+/// writes row i of the result.
+Raster<float> evaluate(HeadlessContext& context, const std::string& body,
+                       const Raster<float>& arguments, int results,
+                       const Raster<float>& heights = Raster<float>(1, 1))
+{
+    static int count = 0;
+    const std::string name = "test_functions_" + std::to_string(++count);
+    const ShaderFile file("passes/" + name + ".comp", R"(
+layout(local_size_x = 64) in;
+uniform sampler2D arguments;
+uniform sampler2D heights;
+layout(r32f, binding = 0) writeonly uniform image2D results;
+uniform int count;
+int column() { return int(gl_GlobalInvocationID.x); }
+float arg(int row) { return texelFetch(arguments, ivec2(column(), row), 0).x; }
+void put(int row, float value) { imageStore(results, ivec2(column(), row), vec4(value)); }
+void main()
+{
+    if (column() >= count)
+        return;
+)" + body + "}\n");
+    const osg::ref_ptr<GpuPass> pass = new GpuPass(name);
+    const osg::ref_ptr<osg::Texture2D> target = createTarget(arguments.width(), results, GL_R32F);
+    const osg::ref_ptr<osg::Texture2D> input = createFloatTexture(arguments);
+    const osg::ref_ptr<osg::Texture2D> surface = createFloatTexture(heights);
+    pass->reads("arguments", input);
+    pass->reads("heights", surface);
+    pass->writes(0, target);
+    pass->set("count", arguments.width());
+    const Status done =
+        pass->dispatch(context.state(), {GpuPass::groupsFor(arguments.width(), 64), 1, 1});
+    Raster<float> found(arguments.width(), results, std::numeric_limits<float>::quiet_NaN());
+    if (!done)
+        ADD_FAILURE() << done.error().message;
+    else
+        found.values() = readFloats(context.state(), *target, 1);
+    EXPECT_EQ(takeGlErrors(), "");
+    return found;
+}
+
+Raster<float> framedTile(int width, int height, int frame, float level, float relief,
+                         double voidShare, unsigned seed)
+{
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> uniform(0.0, 1.0);
+    Raster<float> heights(width + 2 * frame, height + 2 * frame, G::VOID_HEIGHT);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+        {
+            const float z = level + relief * static_cast<float>(uniform(random));
+            if (uniform(random) >= voidShare)
+                heights.at(x + frame, y + frame) = z;
+        }
+    return heights;
+}
+
+/// One block of receivers per column: the texel, the tangent.
+constexpr int frame = 40;
+const char* const nearHorizonBody = R"(
+    NearRays rays;
+    rays.first = ivec2(int(arg(0)), int(arg(1)));
+    rays.major = ivec2(1, 0);
+    rays.minor = ivec2(0, 1);
+    rays.tangent = arg(2);
+    NearSlopes found = nearHorizon(heights, rays, 16, 8);
+    for (int i = 0; i < 8; ++i)
+        put(i, found.slopes[i]);
+)";
+
+Raster<float> blocks(int width, int height, const std::vector<float>& tangents)
+{
+    std::vector<std::array<float, 3>> all;
+    for (const float tangent : tangents)
+        for (int y = 0; y + 8 <= height; y += 8)
+            for (int x = 0; x < width; ++x)
+                all.push_back({float(x + frame), float(y + frame), tangent});
+    Raster<float> arguments(static_cast<int>(all.size()), 3);
+    for (int i = 0; i < arguments.width(); ++i)
+        for (int row = 0; row < 3; ++row)
+            arguments.at(i, row) = all[static_cast<std::size_t>(i)][static_cast<std::size_t>(row)];
+    return arguments;
+}
+} // namespace
+
+TEST(ShaderFunctions, Angles)
+{
+    OTL_NEED_GL(context);
+    G glsl;
+    Raster<float> arguments(2048, 3);
+    for (int i = 0; i < arguments.width(); ++i)
+    {
+        arguments.at(i, 0) = std::exp2(float(i / 2 - 512) / 20.0f) * (i % 2 == 0 ? 1.0f : -1.0f);
+        const float code = 1.0f + float(i) * 31.99f;
+        // Off the middle of a code by less than 0.4 of it: no rounding changes the code.
+        arguments.at(i, 1) = (std::floor(code) - 32768.0f + 0.4f * std::sin(float(i))) *
+                             (float(pi / 2.0) / 32767.0f);
+        arguments.at(i, 2) = std::floor(code) / 65535.0f;
+    }
+    arguments.at(0, 0) = 0.0f;
+    arguments.at(1, 0) = G::NO_HORIZON;
+    const Raster<float> found = evaluate(*context, R"(
+    put(0, elevationOfSlope(arg(0)));
+    put(1, codeOfElevation(arg(1)));
+    put(2, elevationOfCode(arg(2)));
+    put(3, codeOfElevation(elevationOfSlope(arg(0))));
+)",
+                                         arguments, 4);
+    const auto stored = [](float code) { return std::lround(double(code) * 65535.0); };
+    for (int i = 0; i < arguments.width(); ++i)
+    {
+        // π/2 − x: two units in the last place of 1 each from the difference and the quotient.
+        EXPECT_NEAR(found.at(i, 0), glsl.elevationOfSlope(arguments.at(i, 0)), 4.0 * ulp);
+        EXPECT_EQ(stored(found.at(i, 1)), stored(glsl.codeOfElevation(arguments.at(i, 1))));
+        // code·65535 − 32768, fused or not: half a unit of 65535, in steps of π/2/32767.
+        EXPECT_NEAR(found.at(i, 2), glsl.elevationOfCode(arguments.at(i, 2)),
+                    (0.5 * 65536.0 * pi / 2.0 / 32767.0 + 2.0) * ulp);
+    }
+    EXPECT_EQ(stored(found.at(0, 3)), 32768) << "level";
+    EXPECT_EQ(stored(found.at(1, 3)), 1) << "nothing ahead";
+}
+
+TEST(ShaderFunctions, CrossingHeight)
+{
+    OTL_NEED_GL(context);
+    G glsl;
+    const std::vector<float> heights = {G::VOID_HEIGHT, -5000.0f, -4999.5f, 0.0f, 8848.25f};
+    const std::vector<float> weights = {
+        -1e-6f, 0.0f, 1e-7f, 0.25f, 0.7f, std::nextafter(1.0f, 0.0f), 1.0f, 1.0f + 1e-6f};
+    Raster<float> arguments(200, 3);
+    for (int i = 0; i < 200; ++i)
+    {
+        arguments.at(i, 0) = heights[static_cast<std::size_t>(i % 5)];
+        arguments.at(i, 1) = heights[static_cast<std::size_t>(i / 5 % 5)];
+        arguments.at(i, 2) = weights[static_cast<std::size_t>(i / 25)];
+    }
+    const Raster<float> found = evaluate(*context, R"(
+    float height = crossingHeight(arg(0), arg(1), arg(2));
+    put(0, height);
+    put(1, isVoid(height) ? 1.0 : 0.0);
+)",
+                                         arguments, 2);
+    for (int i = 0; i < 200; ++i)
+    {
+        const float a = arguments.at(i, 0);
+        const float b = arguments.at(i, 1);
+        const float expected = glsl.crossingHeight(a, b, arguments.at(i, 2));
+        EXPECT_EQ(found.at(i, 1) != 0.0f, glsl.isVoid(expected)) << i;
+        if (!glsl.isVoid(expected))
+        {
+            EXPECT_NEAR(found.at(i, 0), expected, 2.0 * ulp * double(std::abs(a) + std::abs(b)));
+        }
+        if (a == b)
+        {
+            EXPECT_EQ(found.at(i, 0), a) << "level ground stays level";
+        }
+    }
+}
+
+TEST(ShaderFunctions, PostNormal)
+{
+    OTL_NEED_GL(context);
+    G glsl;
+    const Raster<float> heights = framedTile(20, 15, 1, 700.0f, 30.0f, 0.2, 5);
+    Raster<float> arguments(20 * 15, 2);
+    for (int i = 0; i < arguments.width(); ++i)
+    {
+        arguments.at(i, 0) = float(i % 20 + 1);
+        arguments.at(i, 1) = float(i / 20 + 1);
+    }
+    const Raster<float> found = evaluate(*context, R"(
+    vec3 normal = postNormal(heights, ivec2(int(arg(0)), int(arg(1))), 12.0, 25.0);
+    put(0, normal.x);
+    put(1, normal.y);
+    put(2, normal.z);
+)",
+                                         arguments, 3, heights);
+    for (int i = 0; i < arguments.width(); ++i)
+    {
+        const glm::ivec2 post(i % 20 + 1, i / 20 + 1);
+        if (glsl.isVoid(heights.at(post.x, post.y)))
+            continue;
+        const auto normal = glsl.postNormal(heights, post, 12.0f, 25.0f);
+        // Two products, their sum, the inverse root (3) and its product, each of a part of 1.
+        for (int row = 0; row < 3; ++row)
+            EXPECT_NEAR(found.at(i, row), normal[row], 8.0 * ulp);
+    }
+}
+
+TEST(ShaderFunctions, InsideMaximum)
+{
+    OTL_NEED_GL(context);
+    G glsl;
+    std::mt19937 random(11);
+    std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
+    Raster<float> arguments(4096, 5);
+    for (int i = 0; i < arguments.width(); ++i)
+    {
+        const float s1 = 1.0f + 15.0f * uniform(random);
+        const float s2 = s1 + 0.05f + 0.95f * uniform(random);
+        const float c = 8.0f * (uniform(random) - 0.8f);
+        const float at = s1 + (s2 - s1) * (1.5f * uniform(random) - 0.25f);
+        const float a = c * at * at;
+        arguments.at(i, 0) = s1;
+        arguments.at(i, 1) = s2;
+        arguments.at(i, 2) = a / s1 + c * s1;
+        arguments.at(i, 3) = a / s2 + c * s2;
+        arguments.at(i, 4) = c;
+    }
+    const Raster<float> found = evaluate(*context, R"(
+    put(0, insideMaximum(intervalBetween(arg(0), arg(1)), arg(2), arg(3), arg(4)));
+)",
+                                         arguments, 1);
+    int inner = 0;
+    for (int i = 0; i < arguments.width(); ++i)
+    {
+        const float s1 = arguments.at(i, 0);
+        const float s2 = arguments.at(i, 1);
+        const float g1 = arguments.at(i, 2);
+        const float g2 = arguments.at(i, 3);
+        const float c = arguments.at(i, 4);
+        const float expected = glsl.insideMaximum(glsl.intervalBetween(s1, s2), g1, g2, c);
+        inner += expected > G::NO_HORIZON;
+        // At the ends the maximum is the end's own slope, so that which side of them a driver takes
+        // the place for does not matter. Rounding: as on the CPU, horizon_test.
+        const double size = std::abs(g1) + std::abs(g2) + 3.0f * std::abs(c) * s2;
+        EXPECT_NEAR(std::max({g1, g2, found.at(i, 0)}), std::max({g1, g2, expected}),
+                    8.0 * ulp * size * double(s2 / (s2 - s1)));
+    }
+    EXPECT_GT(inner, 1000);
+}
+
+TEST(ShaderFunctions, HidesOrEquals)
+{
+    OTL_NEED_GL(context);
+    std::mt19937 random(51);
+    std::uniform_int_distribution<int> height(-30, 30);
+    std::uniform_int_distribution<int> step(1, 12);
+    Raster<float> arguments(4096, 6);
+    for (int i = 0; i < arguments.width(); ++i)
+    {
+        arguments.at(i, 1) = 100.0f;
+        arguments.at(i, 3) = arguments.at(i, 1) - float(step(random));
+        arguments.at(i, 5) = arguments.at(i, 3) - float(step(random));
+        for (const int row : {0, 2, 4})
+            arguments.at(i, row) = float(height(random));
+    }
+    const Raster<float> found = evaluate(*context, R"(
+    put(0, hidesOrEquals(vec2(arg(0), arg(1)), vec2(arg(2), arg(3)), vec2(arg(4), arg(5))) ? 1.0 : 0.0);
+)",
+                                         arguments, 1);
+    for (int i = 0; i < arguments.width(); ++i)
+    {
+        // Whole numbers: exact, ties included.
+        const auto at = [&](int row) { return static_cast<std::int64_t>(arguments.at(i, row)); };
+        EXPECT_EQ(found.at(i, 0) != 0.0f,
+                  (at(4) - at(0)) * (at(1) - at(3)) >= (at(2) - at(0)) * (at(1) - at(5)));
+    }
+}
+
+TEST(ShaderFunctions, NearHorizon)
+{
+    OTL_NEED_GL(context);
+    G glsl;
+    const float relief = 50.0f;
+    const Raster<float> heights = framedTile(24, 16, frame, 100.0f, relief, 0.05, 17);
+    const Raster<float> arguments =
+        blocks(24, 16, {0.0f, 1.0f, 0.5f, 0.25f, 0.6180339f, 0.123f, 0.9371f});
+    const Raster<float> found = evaluate(*context, nearHorizonBody, arguments, 8, heights);
+    // As between float and double on the CPU (slopeBound of horizon_test), in whole units for
+    // halves.
+    const double bound = ulp * (4.0 * 150.0 + 24.0 * double(relief) * 16.0);
+    int compared = 0;
+    for (int i = 0; i < arguments.width(); ++i)
+    {
+        G::NearRays rays;
+        rays.first = {int(arguments.at(i, 0)), int(arguments.at(i, 1))};
+        rays.major = {1, 0};
+        rays.minor = {0, 1};
+        rays.tangent = arguments.at(i, 2);
+        const auto expected = glsl.nearHorizon(heights, rays, 16, 8);
+        for (int k = 0; k < 8; ++k)
+        {
+            if (glsl.isVoid(heights.at(rays.first.x, rays.first.y + k)))
+                continue;
+            const float slope = expected.slopes[k];
+            if (slope < -1e9f)
+            {
+                EXPECT_LT(found.at(i, k), -1e9f);
+            }
+            else
+            {
+                EXPECT_NEAR(found.at(i, k), slope, bound);
+                ++compared;
+            }
+        }
+    }
+    EXPECT_GT(compared, 1000);
+}
+
+TEST(ShaderFunctions, LevelGroundWithVoidsHasNoHorizonAboveIt)
+{
+    OTL_NEED_GL(context);
+    G glsl;
+    const Raster<float> heights = framedTile(24, 24, frame, -5000.0f, 0.0f, 0.3, 9);
+    std::vector<float> tangents;
+    for (int c = 1; c <= 13; ++c)
+        for (int w = 0; w <= c; ++w)
+            tangents.push_back(float(w) / float(c));
+    const Raster<float> arguments = blocks(24, 24, tangents);
+    const Raster<float> found = evaluate(*context, nearHorizonBody, arguments, 8, heights);
+    int level = 0;
+    for (int i = 0; i < arguments.width(); ++i)
+        for (int k = 0; k < 8; ++k)
+            if (!glsl.isVoid(heights.at(int(arguments.at(i, 0)), int(arguments.at(i, 1)) + k)))
+            {
+                const float slope = found.at(i, k);
+                ASSERT_TRUE(slope == 0.0f || slope < -1e9f)
+                    << slope << " tangent " << arguments.at(i, 2);
+                level += slope == 0.0f;
+            }
+    EXPECT_GT(level, 10000);
+}
+
+TEST(ShaderFunctions, Sky)
+{
+    OTL_NEED_GL(context);
+    G glsl;
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> uniform(-1.0f, 1.0f);
+    Raster<float> arguments(2048, 5);
+    for (int i = 0; i < arguments.width(); ++i)
+    {
+        arguments.at(i, 0) = 1.5f * uniform(random);            // elevation, and over the disc's
+        arguments.at(i, 1) = std::abs(uniform(random)) * 1.57f; // normal's angle from the zenith
+        arguments.at(i, 2) = float(pi) * uniform(random);       // its azimuth from the slice's
+        arguments.at(i, 3) = float(pi) * std::abs(uniform(random));
+        arguments.at(i, 4) = i % 2 == 0 ? 0.1f : 0.4f;
+    }
+    const Raster<float> found = evaluate(*context, R"(
+    float nz = cos(arg(1));
+    vec3 normal = vec3(sin(arg(1)) * cos(arg(2)), sin(arg(1)) * sin(arg(2)), nz);
+    put(0, sliceIrradiance(arg(3), nz, normal.x, arg(4)));
+    put(1, planeZenithAngle(max(nz, 0.1), normal.x));
+    put(2, visibleDiscFraction(arg(0), 1.2));
+    for (int definition = 0; definition < 3; ++definition)
+        put(3 + definition, skySlice(arg(0), normal, 1.0, 0.0, arg(4), definition));
+)",
+                                         arguments, 6);
+    for (int i = 0; i < arguments.width(); ++i)
+    {
+        const float tilt = arguments.at(i, 1);
+        const float nz = std::cos(tilt);
+        const G::vec3 normal(std::sin(tilt) * std::cos(arguments.at(i, 2)),
+                             std::sin(tilt) * std::sin(arguments.at(i, 2)), nz);
+        const float width = arguments.at(i, 4);
+        // Few sines each, times parts below 2·width; rounding is far below.
+        const double slice = 8.0 * sine * double(width);
+        EXPECT_NEAR(found.at(i, 0), glsl.sliceIrradiance(arguments.at(i, 3), nz, normal.x, width),
+                    slice);
+        // nh / nz is at most 10 and its quotient's sines move the angle by no more than 10 of them.
+        EXPECT_NEAR(found.at(i, 1), glsl.planeZenithAngle(std::max(nz, 0.1f), normal.x),
+                    22.0 * sine);
+        EXPECT_NEAR(found.at(i, 2), glsl.visibleDiscFraction(arguments.at(i, 0), 1.2f), 8.0 * ulp);
+        for (int definition = 0; definition < 3; ++definition)
+            EXPECT_NEAR(found.at(i, 3 + definition),
+                        glsl.skySlice(arguments.at(i, 0), normal, 1.0f, 0.0f, width, definition),
+                        slice);
+    }
+}
