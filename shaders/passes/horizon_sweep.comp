@@ -2,7 +2,8 @@
 // and keeps the upper hull of the line's samples (Timonen and Westerholm 2010, sections 4 and 5). A
 // post stands between two lines, up to a post's width aside, so their horizons are not its own: it only
 // asks each line where the horizon is, and measures the surface on its own ray there and a step to
-// either side. The result is a slope that the ray really meets: exact on planes, never too high.
+// either side. The result is a slope that the ray really meets: exact on planes, and, but for voids,
+// never too high.
 // Samples closer than `reach` steps are left to horizon_near.comp.
 //
 // ASKED 1: one dispatch, a post asks its nearest line. ASKED 2: it asks the two lines that it stands
@@ -136,7 +137,8 @@ void main()
                     vec2 eye = vec2(postHeight(heights, post + frame), float(walked));
                     float turn = drift * float(look); // of the ray, per step
                     float room = turn < 0.0 ? float(minor) : float(breadth - 1 - minor);
-                    float exit = room / max(abs(turn), 1.0e-9); // steps to the edge of the data
+                    // Steps to the edge of the data; none where the ray runs along the grid.
+                    float exit = abs(turn) < 1.0e-7 ? float(steps) : room / abs(turn);
                     float oldest = eye.y - exit;
 
                     vec2 nearer = newest;
@@ -149,21 +151,27 @@ void main()
                         farther = hull[max(rest - 1, 0)];
                     }
                     Slope slope = NO_HORIZON;
+                    bool measured = false;
                     for (int i = -1; i <= 1; ++i)
                     {
-                        float steps = eye.y - nearer.y + float(i);
-                        bool onRay = vertices > 0 && steps > float(reach) && steps <= exit &&
-                                     steps <= float(walked);
-                        steps = onRay ? steps : 0.0;
-                        float offset = turn * steps;
+                        float away = eye.y - nearer.y + float(i);
+                        bool onRay = vertices > 0 && away > float(reach) && away <= exit &&
+                                     away <= float(walked);
+                        away = onRay ? away : 0.0;
+                        float offset = turn * away;
                         int whole = int(floor(offset));
-                        ivec2 at = post + frame + (north ? ivec2(whole, look * int(steps))
-                                                         : ivec2(look * int(steps), whole));
+                        ivec2 at = post + frame + (north ? ivec2(whole, look * int(away))
+                                                         : ivec2(look * int(away), whole));
                         float a = postHeight(heights, at);
                         float b = postHeight(heights, at + (north ? ivec2(1, 0) : ivec2(0, 1)));
                         float rise = mix(a, b, offset - float(whole)) - eye.x;
-                        slope = onRay ? max(slope, rise / steps) : slope;
+                        onRay = onRay && !isVoid(rise);
+                        slope = onRay ? max(slope, rise / away) : slope;
+                        measured = measured || onRay;
                     }
+                    // Beside a void the ray may meet no surface there; then the line's word stands.
+                    if (vertices > 0 && !measured && nearer.y >= oldest)
+                        slope = (nearer.x - eye.x) / (eye.y - nearer.y);
                     float stepLength = texelFetch(stepLengths, ivec2(layer, post.y), 0).x;
                     float code = codeOfElevation(elevationOfSlope(slope / stepLength));
                     if (PARITY == 1)

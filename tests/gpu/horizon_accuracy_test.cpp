@@ -124,13 +124,13 @@ TEST(HorizonAccuracy, AnySunAzimuthIsAsGoodAsTheAxes)
     for (double mean : byIndex)
         std::printf(" %.4f", mean);
     std::printf("\n");
-    // The axes and diagonals pass through posts: no sample is off its receiver's line, and they are
-    // exact. Between them the nearest line is up to half a post aside, wherever the azimuth is, so
-    // the rest differ by the terrain alone.
-    const double highest = *std::max_element(byIndex.begin(), byIndex.end());
-    EXPECT_LE(highest, 2.0 * error.mean);
-    for (std::size_t k = 0; k < 64; k += 8)
-        EXPECT_LE(byIndex[k], 0.003) << k;
+    // Along the axes a ray runs through posts: every sample is a post, and what is left is rounding
+    // to 16 bits. On the diagonals it runs through posts too, but between them through the inside
+    // of cells, whose maxima count in the near field only. Elsewhere the line that is asked is up
+    // to half a post aside and may name another crest than the ray's highest: that error depends on
+    // the terrain, not on the azimuth, and stays within what `normal` promises at each of them.
+    for (std::size_t k = 0; k < 64; ++k)
+        EXPECT_LE(byIndex[k], k % 16 == 0 ? 0.0014 : 0.02) << k;
 }
 
 namespace

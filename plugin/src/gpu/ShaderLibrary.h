@@ -12,7 +12,7 @@ namespace osgTerrainLight
 
 /// A shader put together from files, and the way back from a compiler's line number to file and
 /// line.
-struct ComposedShader
+struct OSGTERRAINLIGHT_EXPORT ComposedShader
 {
     std::string text;
     std::vector<std::string> files; ///< index = source number in #line
