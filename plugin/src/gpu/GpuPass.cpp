@@ -1,7 +1,5 @@
 #include "gpu/GpuPass.h"
 
-#include "gpu/ShaderLibrary.h"
-
 #include <osg/GLExtensions>
 #include <osg/Shader>
 
@@ -73,7 +71,7 @@ Status GpuPass::build(osg::State& state)
         _program = new osg::Program;
         _program->setName(_name);
         _program->addShader(new osg::Shader(osg::Shader::COMPUTE, shader->text));
-        _files = shader->files;
+        _parts = shader->parts;
         _revision = revision;
     }
     const osg::Program::PerContextProgram* linked = _program->getPCP(state);
@@ -87,7 +85,7 @@ Status GpuPass::build(osg::State& state)
     if (log.empty())
         _program->getGlProgramInfoLog(state.getContextID(), log);
     return Error{ErrorCode::Failed,
-                 "shader " + file + " does not compile: " + ComposedShader{{}, _files}.mapLog(log)};
+                 "shader " + file + " does not compile: " + ComposedShader{{}, _parts}.mapLog(log)};
 }
 
 Status GpuPass::dispatch(osg::State& state, Groups groups)

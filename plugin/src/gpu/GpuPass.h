@@ -3,6 +3,7 @@
 #include <osgTerrainLight/Export.h>
 
 #include "core/Result.h"
+#include "gpu/ShaderLibrary.h"
 
 #include <osg/Program>
 #include <osg/Referenced>
@@ -88,7 +89,7 @@ private:
     std::vector<Output> _outputs;
     std::map<std::string, osg::ref_ptr<osg::Uniform>> _uniforms;
     osg::ref_ptr<osg::Program> _program;
-    std::vector<std::string> _files;
+    std::vector<ComposedShader::Part> _parts;
     long long _revision = -1;
 };
 

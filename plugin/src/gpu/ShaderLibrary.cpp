@@ -2,9 +2,12 @@
 
 #include "gpu/EmbeddedShaders.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <iterator>
 #include <regex>
 #include <sstream>
 
@@ -26,20 +29,23 @@ std::vector<std::string> listed(const std::string& text)
 
 std::string ComposedShader::mapLog(const std::string& log) const
 {
-    // Mesa writes "2:17(5): error", NVIDIA "2(17) : error".
-    static const std::regex place(R"((^|\n)(ERROR: |WARNING: )?(\d+)[:(](\d+)\)?)");
+    // Mesa writes "0:17(5): error", NVIDIA "0(17) : error", others "ERROR: 0:17:".
+    static const std::regex place(R"((^|\n)(ERROR: |WARNING: )?0[:(](\d{1,6})(?!\d)\)?)");
     std::string mapped;
     std::size_t done = 0;
     for (std::sregex_iterator i(log.begin(), log.end(), place), end; i != end; ++i)
     {
         const std::smatch& match = *i;
-        const std::size_t file = static_cast<std::size_t>(std::stoul(match[3]));
+        const int line = std::stoi(match[3]);
+        const auto after = std::find_if(parts.begin(), parts.end(),
+                                        [line](const Part& part) { return part.firstLine > line; });
         mapped += log.substr(done, static_cast<std::size_t>(match.position()) - done);
         done = static_cast<std::size_t>(match.position() + match.length());
-        if (file >= files.size())
+        if (after == parts.begin())
             mapped += match.str();
         else
-            mapped += match[1].str() + match[2].str() + files[file] + ":" + match[4].str();
+            mapped += match[1].str() + match[2].str() + std::prev(after)->file + ":" +
+                      std::to_string(line - std::prev(after)->firstLine + 1);
     }
     return mapped + log.substr(done);
 }
@@ -96,23 +102,29 @@ Result<ComposedShader> ShaderLibrary::compose(const std::string& name,
         Result<std::string> text = source(file);
         if (!text)
             return text.error();
-        shader.text += "#line 1 " + std::to_string(shader.files.size()) + "\n" + *text + "\n";
-        shader.files.push_back(file);
+        const auto lines = std::count(shader.text.begin(), shader.text.end(), '\n');
+        shader.parts.push_back({file, static_cast<int>(lines) + 1});
+        shader.text += *text + "\n";
     }
     return shader;
 }
 
 long long ShaderLibrary::revision() const
 {
-    long long newest = 0;
+    // The newest time alone would miss an older file that goes or is put back.
+    std::size_t sum = 0;
     if (_folder.empty())
-        return newest;
-    std::error_code ignored;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(_folder, ignored))
-        if (entry.is_regular_file(ignored))
-            newest = std::max<long long>(newest,
-                                         entry.last_write_time(ignored).time_since_epoch().count());
-    return newest;
+        return 0;
+    std::error_code error;
+    std::filesystem::recursive_directory_iterator entry(_folder, error);
+    for (; !error && entry != std::filesystem::end(entry); entry.increment(error))
+    {
+        std::error_code gone; // while we look: an editor's file for a moment
+        const auto time = entry->last_write_time(gone).time_since_epoch().count();
+        if (entry->is_regular_file(gone))
+            sum += std::hash<std::string>()(entry->path().string() + ":" + std::to_string(time));
+    }
+    return static_cast<long long>(sum);
 }
 
 std::vector<std::string> ShaderLibrary::names()

@@ -11,13 +11,20 @@ namespace osgTerrainLight
 {
 
 /// A shader put together from files, and the way back from a compiler's line number to file and
-/// line.
+/// line. The lines are counted through: a compiler may forget the source number of a #line (Mesa
+/// does in all but syntax errors).
 struct OSGTERRAINLIGHT_EXPORT ComposedShader
 {
-    std::string text;
-    std::vector<std::string> files; ///< index = source number in #line
+    struct Part
+    {
+        std::string file;
+        int firstLine; ///< of `text`, counted from 1
+    };
 
-    /// A compiler's log with "source:line" or "source(line)" replaced by "file:line".
+    std::string text;
+    std::vector<Part> parts;
+
+    /// A compiler's log with "0:line" or "0(line)" replaced by "file:line".
     std::string mapLog(const std::string& log) const;
 };
 
@@ -40,7 +47,8 @@ public:
     Result<ComposedShader> compose(const std::string& name,
                                    const std::vector<std::string>& defines = {}) const;
 
-    /// A number that changes when a file in the override folder changes; 0 without a folder.
+    /// A number that changes when a file in the override folder comes, changes or goes; 0 without a
+    /// folder.
     long long revision() const;
 
     static std::vector<std::string> names();
