@@ -139,22 +139,24 @@ void main()
                     float room = turn < 0.0 ? float(minor) : float(breadth - 1 - minor);
                     // Steps to the edge of the data; none where the ray runs along the grid.
                     float exit = abs(turn) < 1.0e-7 ? float(steps) : room / abs(turn);
-                    float oldest = eye.y - exit;
 
                     vec2 nearer = newest;
                     vec2 farther = second;
                     int rest = vertices - 1;
-                    while (rest > 0 && farther.y >= oldest && hidesOrEquals(eye, nearer, farther))
+                    while (rest > 0 && hidesOrEquals(eye, nearer, farther))
                     {
                         nearer = farther;
                         --rest;
                         farther = hull[max(rest - 1, 0)];
                     }
+                    // A line may leave the data later than the ray beside it: what it sees there, the
+                    // ray would see at its own exit at most.
+                    float found = min(eye.y - nearer.y, floor(exit));
                     Slope slope = NO_HORIZON;
                     bool measured = false;
                     for (int i = -1; i <= 1; ++i)
                     {
-                        float away = eye.y - nearer.y + float(i);
+                        float away = found + float(i);
                         bool onRay = vertices > 0 && away > float(reach) && away <= exit &&
                                      away <= float(walked);
                         away = onRay ? away : 0.0;
@@ -170,7 +172,7 @@ void main()
                         measured = measured || onRay;
                     }
                     // Beside a void the ray may meet no surface there; then the line's word stands.
-                    if (vertices > 0 && !measured && nearer.y >= oldest)
+                    if (vertices > 0 && !measured && exit > float(reach))
                         slope = (nearer.x - eye.x) / (eye.y - nearer.y);
                     float stepLength = texelFetch(stepLengths, ivec2(layer, post.y), 0).x;
                     float code = codeOfElevation(elevationOfSlope(slope / stepLength));
