@@ -1,0 +1,339 @@
+#include "gpu/GpuPass.h"
+
+#include "gpu/Textures.h"
+#include "support/GlContext.h"
+#include "support/ShaderFolder.h"
+
+#include <osg/Program>
+#include <osg/Shader>
+#include <osg/StateSet>
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <numeric>
+#include <set>
+
+#ifndef GL_CURRENT_PROGRAM
+#define GL_CURRENT_PROGRAM 0x8B8D
+#endif
+#ifndef GL_R16
+#define GL_R16 0x822A
+#endif
+#ifndef GL_R32UI
+#define GL_R32UI 0x8236
+#endif
+
+using namespace osgTerrainLight;
+
+namespace
+{
+/// result = values * gain + offset + bias
+const char* const combine = R"(
+layout(local_size_x = 4, local_size_y = 2) in;
+uniform sampler2D values;
+uniform sampler2D offsets;
+layout(r32f, binding = 0) writeonly uniform image2D result;
+uniform ivec2 size;
+uniform float gain;
+uniform vec3 bias;
+void main()
+{
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    if (at.x < size.x && at.y < size.y)
+        imageStore(result, at, gain * texelFetch(values, at, 0) + texelFetch(offsets, at, 0) +
+                                   vec4(bias.x + bias.y + bias.z));
+}
+)";
+
+class GpuPassTest : public testing::Test
+{
+protected:
+    static constexpr int width = 7, height = 5;
+
+    osg::ref_ptr<osg::Texture2D> ramp(float first) const
+    {
+        Raster<float> values(width, height);
+        std::iota(values.values().begin(), values.values().end(), first);
+        return createFloatTexture(values);
+    }
+
+    /// A combine pass, all inputs set: result = 2·values + offsets.
+    osg::ref_ptr<GpuPass> makePass(osg::Texture* values, osg::Texture* offsets,
+                                   osg::Texture* result) const
+    {
+        osg::ref_ptr<GpuPass> pass = new GpuPass("test_combine");
+        pass->reads("values", values);
+        pass->reads("offsets", offsets);
+        pass->writes(0, result);
+        pass->set("size", width, height);
+        pass->set("gain", 2.0f);
+        pass->set("bias", osg::Vec3f(0.0f, 0.0f, 0.0f));
+        return pass;
+    }
+
+    static void run(GpuPass& pass, osg::State& state)
+    {
+        const Status done =
+            pass.dispatch(state, {GpuPass::groupsFor(width, 4), GpuPass::groupsFor(height, 2), 1});
+        EXPECT_TRUE(done.ok()) << (done ? "" : done.error().message);
+        EXPECT_EQ(takeGlErrors(), "");
+    }
+
+    static std::vector<float> expected(float first, float gain, float offset)
+    {
+        std::vector<float> values;
+        for (int i = 0; i < width * height; ++i)
+            values.push_back(gain * (first + float(i)) + offset + float(i));
+        return values;
+    }
+
+private:
+    ShaderFile _combine{"passes/test_combine.comp", combine};
+};
+
+GLint integer(GLenum name)
+{
+    GLint value = 0;
+    glGetIntegerv(name, &value);
+    return value;
+}
+} // namespace
+
+TEST(GpuPassGroups, CoverTheCount)
+{
+    EXPECT_EQ(GpuPass::groupsFor(0, 8), 0u);
+    EXPECT_EQ(GpuPass::groupsFor(1, 8), 1u);
+    EXPECT_EQ(GpuPass::groupsFor(8, 8), 1u);
+    EXPECT_EQ(GpuPass::groupsFor(9, 8), 2u);
+}
+
+TEST_F(GpuPassTest, WritesWhatItsInputsSay)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    const auto result = createTarget(width, height, GL_R32F);
+    const auto pass = makePass(ramp(10.0f), ramp(500.0f), result);
+    run(*pass, state);
+    EXPECT_EQ(readFloats(state, *result, 1), expected(10.0f, 2.0f, 500.0f));
+    EXPECT_EQ(takeGlErrors(), "");
+
+    // Each declaration can be replaced, and the replacement counts at once.
+    pass->set("gain", 4.0f);
+    run(*pass, state);
+    EXPECT_EQ(readFloats(state, *result, 1), expected(10.0f, 4.0f, 500.0f));
+    pass->set("bias", osg::Vec3f(1.0f, 20.0f, 300.0f));
+    pass->reads("values", ramp(0.0f));
+    run(*pass, state);
+    EXPECT_EQ(readFloats(state, *result, 1), expected(0.0f, 4.0f, 821.0f));
+    const auto other = createTarget(width, height, GL_R32F);
+    pass->writes(0, other);
+    pass->set("gain", 1.0f);
+    run(*pass, state);
+    EXPECT_EQ(readFloats(state, *other, 1), expected(0.0f, 1.0f, 821.0f));
+    EXPECT_EQ(readFloats(state, *result, 1), expected(0.0f, 4.0f, 821.0f));
+}
+
+TEST_F(GpuPassTest, OnePassReadsWhatAnotherWrote)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    // Twenty dispatches in a row, each upon the last: the barrier between them is the pass's own.
+    osg::ref_ptr<osg::Texture2D> from = ramp(0.0f);
+    const auto zero = createFloatTexture(Raster<float>(width, height, 0.0f));
+    for (int i = 0; i < 20; ++i)
+    {
+        const auto to = createTarget(width, height, GL_R32F);
+        run(*makePass(from, zero, to), state);
+        from = to;
+    }
+    std::vector<float> values;
+    for (int i = 0; i < width * height; ++i)
+        values.push_back(float(i) * 1048576.0f);
+    EXPECT_EQ(readFloats(state, *from, 1), values);
+}
+
+TEST_F(GpuPassTest, UniformsSetTwiceBetweenRunsHoldTheLastValue)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    const auto result = createTarget(width, height, GL_R32F);
+    const auto pass = makePass(ramp(1.0f), ramp(1.0f), result);
+    run(*pass, state);
+    // New uniform objects, each as often modified as the last, one perhaps at a freed one's
+    // address.
+    for (int i = 0; i < 20; ++i)
+    {
+        pass->set("size", 0, 0);
+        pass->set("size", width, i % 2);
+        const auto fresh = createFloatTexture(Raster<float>(width, height, -1.0f));
+        pass->writes(0, fresh);
+        run(*pass, state);
+        EXPECT_EQ(readFloats(state, *fresh, 1)[0], i % 2 == 1 ? 3.0f : -1.0f);
+    }
+}
+
+TEST_F(GpuPassTest, NewTextureAtADeletedOnesAddressIsSeen)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    const auto result = createTarget(width, height, GL_R32F);
+    const auto pass = makePass(ramp(0.0f), ramp(0.0f), result);
+    const auto zero = createFloatTexture(Raster<float>(width, height, 0.0f));
+    pass->reads("offsets", zero);
+    std::set<const void*> addresses;
+    int again = 0;
+    for (int i = 0; i < 50; ++i)
+    {
+        // The allocator gives the address of the one that the line before freed.
+        pass->reads("values", nullptr);
+        const auto values = createFloatTexture(Raster<float>(width, height, float(i)));
+        again += !addresses.insert(values.get()).second;
+        pass->reads("values", values);
+        run(*pass, state);
+        ASSERT_EQ(readFloats(state, *result, 1).front(), 2.0f * float(i));
+        ASSERT_EQ(readFloats(state, *values, 1).front(), float(i));
+    }
+    EXPECT_GT(again, 0) << "no address came twice: nothing was tested";
+}
+
+TEST_F(GpuPassTest, NewOutputAtADeletedOnesAddressIsAllocated)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    const auto pass = makePass(ramp(3.0f), ramp(4.0f), nullptr);
+    std::set<const void*> addresses;
+    int again = 0;
+    for (int i = 0; i < 50; ++i)
+    {
+        pass->writes(0, nullptr);
+        // Other sizes: a stale allocation would be too small.
+        const auto result = createTarget(width + i, height + i, GL_R32F);
+        again += !addresses.insert(result.get()).second;
+        pass->writes(0, result);
+        run(*pass, state);
+        const std::vector<float> found = readFloats(state, *result, 1);
+        ASSERT_EQ(found.size(), static_cast<std::size_t>((width + i) * (height + i)));
+        ASSERT_EQ(found.front(), 10.0f);
+    }
+    EXPECT_GT(again, 0) << "no address came twice: nothing was tested";
+}
+
+TEST_F(GpuPassTest, LayersAndCountersAreReadAndWritten)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    const ShaderFile file("passes/test_layers.comp", R"(
+layout(local_size_x = 1) in;
+layout(r16, binding = 0) uniform image2DArray codes;
+layout(r32ui, binding = 1) uniform uimage2D counter;
+uniform bool first;
+void main()
+{
+    ivec3 at = ivec3(gl_GlobalInvocationID);
+    float value = float(at.x + 10 * at.y + 100 * at.z) / 65535.0;
+    if (!first)
+        value = imageLoad(codes, at).x + 1.0 / 65535.0;
+    imageStore(codes, at, vec4(value));
+    imageAtomicAdd(counter, ivec2(0), 1u);
+}
+)");
+    const osg::ref_ptr<GpuPass> pass = new GpuPass("test_layers");
+    const auto codes = createLayeredTarget(3, 2, 4, GL_R16);
+    const auto counter = createTarget(1, 1, GL_R32UI);
+    pass->writes(0, codes, GpuPass::Access::ReadWrite);
+    pass->writes(1, counter, GpuPass::Access::ReadWrite);
+    for (const bool first : {true, false})
+    {
+        pass->set("first", first);
+        const Status done = pass->dispatch(state, {3, 2, 4});
+        ASSERT_TRUE(done.ok()) << done.error().message;
+        EXPECT_EQ(takeGlErrors(), "");
+        std::vector<std::uint16_t> expected;
+        for (int z = 0; z < 4; ++z)
+            for (int y = 0; y < 2; ++y)
+                for (int x = 0; x < 3; ++x)
+                    expected.push_back(
+                        static_cast<std::uint16_t>(x + 10 * y + 100 * z + (first ? 0 : 1)));
+        EXPECT_EQ(readUnorm16(state, *codes), expected);
+        EXPECT_EQ(readUints(state, *counter), std::vector<std::uint32_t>{first ? 24u : 48u});
+        EXPECT_EQ(takeGlErrors(), "");
+    }
+}
+
+TEST_F(GpuPassTest, StateOfOsgHoldsAfterwards)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    // The scene's own program and textures, applied lazily as OSG does.
+    const osg::ref_ptr<osg::Program> program = new osg::Program;
+    program->addShader(new osg::Shader(osg::Shader::VERTEX,
+                                       "#version 130\nvoid main() { gl_Position = vec4(0.0); }\n"));
+    program->addShader(new osg::Shader(
+        osg::Shader::FRAGMENT, "#version 130\nuniform sampler2D a;\nuniform float level;\n"
+                               "void main() { gl_FragColor = level * texture(a, vec2(0.5)); }\n"));
+    const osg::ref_ptr<osg::StateSet> scene = new osg::StateSet;
+    scene->setAttributeAndModes(program);
+    const osg::ref_ptr<osg::Texture2D> textures[] = {ramp(1.0f), ramp(2.0f), ramp(3.0f)};
+    for (unsigned unit = 0; unit < 3; ++unit)
+        scene->setTextureAttributeAndModes(unit, textures[unit]);
+    scene->addUniform(new osg::Uniform("level", 0.25f));
+    const auto expectScene = [&](const char* when)
+    {
+        SCOPED_TRACE(when);
+        state.apply(scene);
+        const auto* linked = program->getPCP(state);
+        EXPECT_EQ(static_cast<GLuint>(integer(GL_CURRENT_PROGRAM)), linked->getHandle());
+        EXPECT_EQ(state.getLastAppliedProgramObject(), linked);
+        for (unsigned unit = 0; unit < 3; ++unit)
+        {
+            state.setActiveTextureUnit(unit);
+            EXPECT_EQ(static_cast<GLuint>(integer(GL_TEXTURE_BINDING_2D)),
+                      textures[unit]->getTextureObject(state.getContextID())->id())
+                << unit;
+        }
+        const auto* extensions = state.get<osg::GLExtensions>();
+        GLfloat level = 0.0f;
+        extensions->glGetUniformfv(linked->getHandle(),
+                                   extensions->glGetUniformLocation(linked->getHandle(), "level"),
+                                   &level);
+        EXPECT_EQ(level, 0.25f);
+        EXPECT_EQ(takeGlErrors(), "");
+    };
+    expectScene("before");
+    const auto result = createTarget(width, height, GL_R32F);
+    const auto pass = makePass(ramp(0.0f), ramp(0.0f), result);
+    for (const char* when : {"after the first run", "after the second"})
+    {
+        run(*pass, state);
+        EXPECT_EQ(integer(GL_CURRENT_PROGRAM), 0);
+        expectScene(when);
+    }
+    readFloats(state, *result, 1);
+    expectScene("after reading back");
+    // And the other way about: the scene's textures do not stand in for the pass's.
+    run(*pass, state);
+    EXPECT_EQ(readFloats(state, *result, 1), expected(0.0f, 2.0f, 0.0f));
+    // The scene's textures go out of scope: nothing of them stays applied.
+    const osg::ref_ptr<osg::StateSet> nothing = new osg::StateSet;
+    state.apply(nothing);
+}
+
+TEST_F(GpuPassTest, RunsOnAfterItsObjectsAreReleased)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    const auto result = createTarget(width, height, GL_R32F);
+    const auto values = ramp(0.0f);
+    const auto pass = makePass(values, values, result);
+    for (int i = 0; i < 3; ++i)
+    {
+        run(*pass, state);
+        EXPECT_EQ(readFloats(state, *result, 1), expected(0.0f, 2.0f, 0.0f));
+        pass->releaseGLObjects(&state);
+        pass->resizeGLObjectBuffers(4);
+        values->releaseGLObjects(&state);
+        result->releaseGLObjects(&state);
+    }
+    EXPECT_EQ(takeGlErrors(), "");
+}

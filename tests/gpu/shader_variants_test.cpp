@@ -1,0 +1,145 @@
+#include "gpu/ShaderLibrary.h"
+#include "gpu/Textures.h"
+#include "gpu/passes/HorizonPass.h"
+#include "support/GlContext.h"
+
+#include <osg/Program>
+#include <osg/Shader>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <regex>
+#include <set>
+
+using namespace osgTerrainLight;
+
+namespace
+{
+struct Variant
+{
+    std::string pass;
+    std::vector<std::string> defines;
+};
+
+/// Every combination of defines in use. One that is not listed does not exist.
+const std::vector<Variant> variants = {
+    {"horizon_near", {}},
+    // The nearest line; one line per post (Draft, Normal), or more.
+    {"horizon_sweep", {"HULL_SIZE 128", "ASKED 1", "PARITY 0"}},
+    {"horizon_sweep", {"HULL_SIZE 128", "ASKED 1", "PARITY 0", "DENSE"}},
+    // Two lines: even ones, then odd ones (Best).
+    {"horizon_sweep", {"HULL_SIZE 128", "ASKED 2", "PARITY 0"}},
+    {"horizon_sweep", {"HULL_SIZE 128", "ASKED 2", "PARITY 1"}},
+    {"horizon_sweep", {"HULL_SIZE 128", "ASKED 2", "PARITY 0", "DENSE"}},
+    {"horizon_sweep", {"HULL_SIZE 128", "ASKED 2", "PARITY 1", "DENSE"}},
+    {"shade", {}},
+    {"sky_view", {}},
+};
+
+std::string nameOf(const Variant& variant)
+{
+    std::string name = variant.pass;
+    for (const std::string& define : variant.defines)
+        name += ", " + define;
+    return name;
+}
+} // namespace
+
+TEST(ShaderVariants, EveryPassIsListed)
+{
+    std::set<std::string> listed;
+    for (const Variant& variant : variants)
+        listed.insert("passes/" + variant.pass + ".comp");
+    std::set<std::string> embedded;
+    for (const std::string& name : ShaderLibrary::names())
+        if (name.rfind("passes/", 0) == 0)
+            embedded.insert(name);
+    EXPECT_EQ(listed, embedded);
+}
+
+TEST(ShaderVariants, EveryDefineOfAPassIsListed)
+{
+    for (const std::string& file : ShaderLibrary::names())
+    {
+        if (file.rfind("passes/", 0) != 0)
+            continue;
+        const std::string text = *ShaderLibrary("").source(file);
+        std::set<std::string> asked;
+        static const std::regex line(R"re(#\s*(if|ifdef|ifndef|elif)\b([^\n]*))re");
+        static const std::regex word(R"re([A-Z][A-Z0-9_]+)re");
+        for (std::sregex_iterator i(text.begin(), text.end(), line), end; i != end; ++i)
+        {
+            const std::string condition = (*i)[2];
+            for (std::sregex_iterator j(condition.begin(), condition.end(), word); j != end; ++j)
+                asked.insert(j->str());
+        }
+        for (const std::string& define : asked)
+            EXPECT_TRUE(std::any_of(variants.begin(), variants.end(),
+                                    [&](const Variant& variant)
+                                    {
+                                        return file == "passes/" + variant.pass + ".comp" &&
+                                               std::any_of(variant.defines.begin(),
+                                                           variant.defines.end(),
+                                                           [&](const std::string& defined) {
+                                                               return defined.rfind(define, 0) == 0;
+                                                           });
+                                    }))
+                << file << " asks for " << define << ", which no listed variant defines";
+    }
+}
+
+TEST(ShaderVariants, EveryVariantCompilesAndLinks)
+{
+    OTL_NEED_GL(context);
+    for (const Variant& variant : variants)
+    {
+        SCOPED_TRACE(nameOf(variant));
+        const Result<ComposedShader> shader =
+            ShaderLibrary("").compose("passes/" + variant.pass + ".comp", variant.defines);
+        ASSERT_TRUE(shader.ok()) << shader.error().message;
+        const osg::ref_ptr<osg::Program> program = new osg::Program;
+        program->addShader(new osg::Shader(osg::Shader::COMPUTE, shader->text));
+        program->compileGLObjects(context->state());
+        std::string log;
+        program->getShader(0)->getPCS(context->state())->getInfoLog(log);
+        EXPECT_TRUE(program->getPCP(context->state())->isLinked()) << shader->mapLog(log);
+        // A warning of one driver is an error of another.
+        EXPECT_EQ(shader->mapLog(log).find("warning"), std::string::npos) << shader->mapLog(log);
+        program->releaseGLObjects(&context->state());
+    }
+    EXPECT_EQ(takeGlErrors(), "");
+}
+
+TEST(ShaderVariants, EveryQualityRunsWithListedOnes)
+{
+    OTL_NEED_GL(context);
+    DemTile tile(9, 7, 10.0);
+    for (int y = 0; y < 7; ++y)
+        for (int x = 0; x < 9; ++x)
+            tile.setHeight(x, y, float(x * y));
+    for (const HorizonQuality quality :
+         {HorizonQuality::Draft, HorizonQuality::Normal, HorizonQuality::Best})
+    {
+        const HorizonScheme scheme = HorizonScheme::of(quality);
+        for (int parity = 0; parity < scheme.linesAsked; ++parity)
+        {
+            Variant used{"horizon_sweep",
+                         {"HULL_SIZE 128", "ASKED " + std::to_string(scheme.linesAsked),
+                          "PARITY " + std::to_string(parity)}};
+            if (scheme.linesPerPost > 1)
+                used.defines.push_back("DENSE");
+            EXPECT_TRUE(std::any_of(variants.begin(), variants.end(),
+                                    [&](const Variant& listed)
+                                    { return nameOf(listed) == nameOf(used); }))
+                << nameOf(used);
+        }
+        const osg::ref_ptr<osg::Texture2D> heights =
+            createHeightTexture(tile, HorizonPass::frame(scheme));
+        const osg::ref_ptr<HorizonPass> pass = new HorizonPass(tile, heights, scheme, 2);
+        pass->setDirections({{1.0, 0.0}, {-0.6, 0.8}});
+        const Status done = pass->dispatch(context->state());
+        EXPECT_TRUE(done.ok()) << (done ? "" : done.error().message);
+        EXPECT_EQ(takeGlErrors(), "");
+    }
+}
