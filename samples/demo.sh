@@ -9,8 +9,9 @@ mkdir -p "$out" build
 .ci/install_deps.sh
 log=build/demo-build.log
 echo "building (log: $log)"
+generator=()
 [[ -f build/CMakeCache.txt ]] || generator=(-G Ninja)
-if ! { cmake -S . -B build "${generator[@]:-}" &&
+if ! { cmake -S . -B build "${generator[@]}" &&
        cmake --build build --parallel "$(nproc)" --target terrainlight osgdb_terrainlight; } \
      >"$log" 2>&1; then
   tail -n 40 "$log" >&2
@@ -26,11 +27,12 @@ run svf "$dem" "$out/sky_view.tif"
 run horizon "$dem" "$out/horizons.tif" --azimuths 16 -co COMPRESS=DEFLATE
 run shadow "$dem" "$out/shadow.tif" --sun 120,12
 run shade "$dem" "$out/shading.tif" --sun 315,35
-run shade "$dem" "$out/morning.png" --sun 95,14 --exposure 0.6
+run shade "$dem" "$out/morning.png" --sun 95,14 -co WORLDFILE=YES
 run shade "$dem" "$out/sky_only.png" --no-sun --exposure 1.4
-run render "$dem" "$out/valley.png" --size 1280,720 --sun 300,22 --exposure 0.3
+run render earth_files/jacksboro.earth "$out/valley.png" --size 1280,720 --sun 300,18
+run render "$dem" "$out/map.png" --top --size 1000,1000 --sun 315,30 --exposure -0.3
 run generate fractal "$out/fractal.tif" --size 1024 --seed 4
-run shade "$out/fractal.tif" "$out/fractal.png" --sun 315,25 --quality best --azimuths 64
+run shade "$out/fractal.tif" "$out/fractal.png" --sun 315,20 --quality best --exposure -0.3
 
 echo
 echo "pictures and GeoTIFFs: $out"
