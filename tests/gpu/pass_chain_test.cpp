@@ -242,7 +242,7 @@ layout(r32f, binding = 0) writeonly uniform image2D result;
 void main()
 {
     float sum = 0.0;
-    for (int i = 0; i < 200; ++i)
+    for (int i = 0; i < 2000; ++i)
         sum += sin(float(i) + float(gl_GlobalInvocationID.x));
     imageStore(result, ivec2(gl_GlobalInvocationID.xy), vec4(sum));
 }
@@ -277,7 +277,7 @@ void main()
         const StageCost cost = chain.costs().front();
         EXPECT_EQ(cost.dispatches, static_cast<unsigned>(i));
         EXPECT_EQ(cost.bytes, 64u * 64u * 4u);
-        EXPECT_GE(cost.gpuMilliseconds, 0.0);
+        EXPECT_GT(cost.gpuMilliseconds, 0.0);
         EXPECT_GT(cost.milliseconds, 0.0);
         // The wall clock runs from before the query to after it.
         EXPECT_LE(cost.gpuMilliseconds, cost.milliseconds + 1.0);

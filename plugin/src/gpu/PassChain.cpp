@@ -1,5 +1,7 @@
 #include "gpu/PassChain.h"
 
+#include "gpu/GpuCapabilities.h"
+
 #include <osg/GLExtensions>
 
 #include <chrono>
@@ -88,7 +90,12 @@ Status PassChain::run(osg::State& state)
             GLuint64 nanoseconds = 0;
             extensions->glGetQueryObjectui64v(query, GL_QUERY_RESULT, &nanoseconds);
             extensions->glDeleteQueries(1, &query);
-            entry.cost.gpuMilliseconds = static_cast<double>(nanoseconds) * 1.0e-6;
+            // llvmpipe's clock does not see compute work: without a drawing before, it gives the
+            // time since the machine started. There the GPU is the CPU, and the wall clock tells.
+            const auto capabilities = GpuCapabilities::query(state);
+            entry.cost.gpuMilliseconds = capabilities && capabilities->isSoftware()
+                                             ? entry.cost.milliseconds
+                                             : static_cast<double>(nanoseconds) * 1.0e-6;
         }
         if (!done)
             return done;

@@ -21,7 +21,7 @@ struct StageCost
     std::string name;
     unsigned dispatches = 0;      ///< runs since creation, all contexts together
     std::size_t bytes = 0;        ///< textures that the stage owns now; 0 where it does not exist
-    double gpuMilliseconds = 0.0; ///< timer query of the last run; 0 unless timed
+    double gpuMilliseconds = 0.0; ///< timer query of the last run; 0 unless timed (software: wall)
     double milliseconds = 0.0;    ///< wall clock of the last run, ended by glFinish; 0 unless timed
 };
 
