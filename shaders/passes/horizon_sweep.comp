@@ -172,7 +172,7 @@ void main()
                         measured = measured || onRay;
                     }
                     // Beside a void the ray may meet no surface there; then the line's word stands.
-                    if (vertices > 0 && !measured && exit > float(reach))
+                    if (vertices > 0 && !measured && floor(exit) > float(reach))
                         slope = (nearer.x - eye.x) / (eye.y - nearer.y);
                     float stepLength = texelFetch(stepLengths, ivec2(layer, post.y), 0).x;
                     float code = codeOfElevation(elevationOfSlope(slope / stepLength));
