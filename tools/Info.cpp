@@ -62,8 +62,10 @@ void printMemory(int width, int height, const LightingSettings& settings)
     const int frame = HorizonPass::frame(HorizonScheme::of(settings.quality));
     const double heights = 4.0 * (double(width + 2 * frame) * (height + 2 * frame) + height);
     const double map = 2.0 * posts * settings.azimuths;
-    const double working = 4.0 * (double(settings.azimuths) * height + 1.0);
-    const double sun = 2.0 * posts + 4.0 * (height + 1.0);
+    const HorizonScheme scheme = HorizonScheme::of(settings.quality);
+    const auto working =
+        static_cast<double>(HorizonPass::workingBytes(width, height, scheme, settings.azimuths));
+    const double sun = 2.0 * posts; // its working space is the sky's, at another time
     const double skyView = 4.0 * posts;
     const double shading = 8.0 * posts;
     std::cout << "\nGraphics memory for " << size(width, height) << " posts, " << settings.azimuths
@@ -152,7 +154,8 @@ Status printRates(const Gpu& gpu, const DemTile& tile, LightingSettings settings
                 best = std::min(best, took.count());
         }
         const double bytes = static_cast<double>(
-            textureBytes(*heights) + textureBytes(*pass->horizon()) + pass->workingBytes());
+            textureBytes(*heights) + textureBytes(*pass->horizon()) +
+            HorizonPass::workingBytes(tile.width(), tile.height(), scheme, azimuths.count()));
         std::cout << CPLSPrintf("%-9s %12.1f   %24.1f   %11.2f", toString(quality), best * 1e3,
                                 static_cast<double>(tile.postCount()) * azimuths.count() / best *
                                     1e-6,

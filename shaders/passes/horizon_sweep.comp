@@ -20,6 +20,7 @@ uniform ivec2 size; // posts
 uniform int frame;
 uniform int reach;
 uniform int linesPerPost;
+uniform int firstDirection; // of this dispatch
 // Per direction: signed drift along the minor axis per step of the major axis towards +, look
 // direction along the major axis (+1 or -1), 1 where the major axis is north, layer.
 uniform vec4 directions[256];
@@ -28,7 +29,7 @@ uniform vec4 directions[256];
 // excepted. Between two kept vertices the hull then runs below the lost one, by no more than the lost
 // vertex stood above their chord. `dropped` counts them.
 const int HULL_CAPACITY = HULL_SIZE;
-const int CHUNK = 32;
+const int CHUNK = 16;
 
 const float LEAD = ASKED == 1 ? 0.5 : 0.0;
 // Posts that a line serves in a step: two where it is one of two lines, one per post.
@@ -40,7 +41,7 @@ const int POSTS_PER_STEP = 1;
 
 void main()
 {
-    vec4 direction = directions[int(gl_GlobalInvocationID.z)];
+    vec4 direction = directions[firstDirection + int(gl_GlobalInvocationID.z)];
     float drift = direction.x;
     int look = int(direction.y);
     bool north = direction.z != 0.0;
@@ -98,7 +99,7 @@ void main()
                 ivec2 post = (north ? ivec2(whole, major) : ivec2(major, whole)) + frame;
                 float a = postHeight(heights, post);
                 float b = postHeight(heights, post + (north ? ivec2(1, 0) : ivec2(0, 1)));
-                vec2 vertex = vec2(mix(a, b, minor - float(whole)), float(pushed));
+                vec2 vertex = vec2(crossingHeight(a, b, minor - float(whole)), float(pushed));
                 if (!isVoid(vertex.x))
                 {
                     while (vertices > 1 && hidesOrEquals(vertex, newest, second))
@@ -166,7 +167,7 @@ void main()
                                                          : ivec2(look * int(away), whole));
                         float a = postHeight(heights, at);
                         float b = postHeight(heights, at + (north ? ivec2(1, 0) : ivec2(0, 1)));
-                        float rise = mix(a, b, offset - float(whole)) - eye.x;
+                        float rise = crossingHeight(a, b, offset - float(whole)) - eye.x;
                         onRay = onRay && !isVoid(rise);
                         slope = onRay ? max(slope, rise / away) : slope;
                         measured = measured || onRay;

@@ -4,10 +4,15 @@
 #include "support/Horizons.h"
 
 #include "core/Raster.h"
+#include "io/DemReader.h"
+#include "scene/TileLighting.h"
 
+#include <gdal_priv.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstdio>
 
 using namespace osgTerrainLight;
 using namespace osgTerrainLight::testing;
@@ -42,16 +47,36 @@ TEST(HorizonClosedForm, PlaneIsLevelToTheLastBit)
         }
 }
 
-TEST(HorizonClosedForm, OffsetsDoNotChangeABit)
+TEST(HorizonClosedForm, OffsetsOfMapAndDatumDoNotChangeABit)
 {
     OTL_NEED_GL(context);
-    DemTile tile = analytic::ramp(80, 70, 30.0, 0.3, -0.2);
-    const HorizonMap here = gpuHorizons(context->state(), tile, 32, HorizonQuality::Normal);
-    tile.mapOriginX = 500000.0;
-    tile.mapOriginY = 9.8e6;
-    tile.heightOrigin = 1.0e6;
-    const HorizonMap there = gpuHorizons(context->state(), tile, 32, HorizonQuality::Normal);
-    EXPECT_EQ(here.codes(), there.codes());
+    // The way of a user: rasters in double, one near the origin, one at UTM coordinates and 1e6 m
+    // up. Heights are multiples of 1/8 m, so both are exact in what the file holds.
+    std::vector<HorizonMap> maps;
+    for (const auto& [east, north, up] :
+         {std::array{0.0, 0.0, 0.0}, std::array{512340.0, 9812340.0, 5.0e5}})
+    {
+        const std::string path = "/vsimem/offset.tif";
+        GDALAllRegister();
+        GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
+        GDALDataset* raster = driver->Create(path.c_str(), 80, 70, 1, GDT_Float64, nullptr);
+        ASSERT_NE(raster, nullptr);
+        double transform[] = {east, 30.0, 0.0, north, 0.0, -30.0};
+        raster->SetGeoTransform(transform);
+        std::vector<double> heights;
+        for (int y = 0; y < 70; ++y)
+            for (int x = 0; x < 80; ++x)
+                heights.push_back(up + 0.125 * ((x * x * 7 + y * 131 + x * y * 3) % 1999));
+        ASSERT_EQ(raster->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, 80, 70, heights.data(), 80, 70,
+                                                     GDT_Float64, 0, 0),
+                  CE_None);
+        GDALClose(raster);
+        Result<DemFile> file = readDem(path);
+        VSIUnlink(path.c_str());
+        ASSERT_TRUE(file) << file.error().message;
+        maps.push_back(gpuHorizons(context->state(), file->tile, 32, HorizonQuality::Best));
+    }
+    EXPECT_EQ(maps[0].codes(), maps[1].codes());
 }
 
 TEST(HorizonClosedForm, BeyondTheDataIsOpen)
@@ -129,12 +154,23 @@ TEST(HorizonClosedForm, ConeAndValleyWithinHalfAPercent)
     {
         const DemTile cone = analytic::cone(301, 301, 10.0, 150, 150, 600.0, 800.0);
         const HorizonMap coneMap = gpuHorizons(context->state(), cone, 32, quality);
-        for (int distance : {90, 120, 140}) // posts west of the apex
-        {
-            const double expected =
-                std::atan(analytic::coneHorizon(600.0, 800.0, distance * 10.0, 0.0)) * degrees;
-            EXPECT_NEAR(coneMap.elevationAt(150 - distance, 150, 0), expected, 0.005 * expected);
-        }
+        const AzimuthSet set(32);
+        for (const auto& [column, row] :
+             {std::pair{60, 150}, {30, 150}, {10, 150}, {70, 80}, {190, 40}})
+            for (int k = 0; k < 32; ++k)
+            {
+                const double x = (150 - column) * 10.0, y = (150 - row) * 10.0;
+                const MapDirection d = set.direction(k);
+                const double offset =
+                    std::atan2(d.east * y - d.north * x, d.east * x + d.north * y);
+                if (std::abs(offset) > 0.35) // near the cone's rim a ray only grazes it
+                    continue;
+                const double expected =
+                    std::atan(analytic::coneHorizon(600.0, 800.0, std::hypot(x, y), offset)) *
+                    degrees;
+                EXPECT_NEAR(coneMap.elevationAt(column, row, k), expected, 0.005 * expected)
+                    << column << ' ' << row << ' ' << k;
+            }
         const DemTile valley = analytic::valley(201, 301, 20.0, 100, 0.6);
         const HorizonMap valleyMap = gpuHorizons(context->state(), valley, 32, quality);
         const AzimuthSet azimuths(32);
@@ -180,6 +216,43 @@ TEST(HorizonClosedForm, SmallTilesWork)
         }
 }
 
+TEST(HorizonClosedForm, HalfSphereOverflowsTheHullWithinABound)
+{
+    OTL_NEED_GL(context);
+    // The sweep's worst stack: every post of the dome is a vertex of its line's hull. Only the part
+    // of a line that lies behind the receiver's own rise is ever asked for, so receivers stand on
+    // the ground.
+    const DemTile tile = analytic::dome(1024, 1024, 10.0, 512, 512, 4500.0);
+    LightingSettings settings;
+    settings.azimuths = 16;
+    SkyLight sky;
+    sky.sunEnabled = false;
+    osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky);
+    ASSERT_TRUE(lighting->update(context->state()));
+    const HorizonMap map = lighting->readHorizons(context->state());
+    EXPECT_GT(lighting->readDroppedVertices(context->state()), 0u);
+    const AzimuthSet set(16);
+    double worst = 0.0;
+    for (const auto& [column, row] :
+         {std::pair{20, 512}, {512, 30}, {100, 100}, {40, 300}, {900, 950}})
+        for (int k = 0; k < 16; ++k)
+        {
+            const double x = (512 - column) * 10.0, y = (512 - row) * 10.0;
+            const MapDirection d = set.direction(k);
+            const double offset = std::atan2(d.east * y - d.north * x, d.east * x + d.north * y);
+            const double slope = analytic::domeHorizon(4500.0, std::hypot(x, y), offset);
+            if (std::abs(offset) > 0.6 || slope <= 0.0)
+                continue;
+            worst = std::max(
+                worst, std::abs(map.elevationAt(column, row, k) - std::atan(slope) * degrees));
+        }
+    // Thinned once or twice, the hull keeps a vertex at least every 16 posts = 160 m of the dome. A
+    // tangent that misses its point by s <= 80 m along a circle of radius 4500 m drops by s^2/2r =
+    // 0.71 m; seen from at least 400 m (the nearest crest) that is 0.10 degrees.
+    EXPECT_LE(worst, 0.10);
+    std::printf("half sphere, hull overflown: worst %.4f degrees\n", worst);
+}
+
 TEST(HorizonClosedForm, RepeatIsBitEqual)
 {
     OTL_NEED_GL(context);
@@ -205,5 +278,16 @@ TEST(HorizonClosedForm, ShadowOfAWallIsAsLongAsItsSunSays)
                 --lit;
             const double length = 350 - lit;
             EXPECT_NEAR(length, rise / std::tan(elevation / degrees) / 10.0, 1.0) << elevation;
+
+            // A slanting sun: the shadow reaches cos(20) as far across the wall.
+            const Raster<float> slanting =
+                gpuSunFraction(context->state(), analytic::wall(400, 400, 10.0, 350, rise), 110.0,
+                               elevation, quality);
+            lit = 349;
+            while (lit > 0 && slanting.at(lit, 350) < 0.5f)
+                --lit;
+            EXPECT_NEAR(350 - lit,
+                        rise / std::tan(elevation / degrees) / 10.0 * std::cos(20.0 / degrees), 1.0)
+                << elevation;
         }
 }

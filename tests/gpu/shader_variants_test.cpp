@@ -26,13 +26,13 @@ struct Variant
 const std::vector<Variant> variants = {
     {"horizon_near", {}},
     // The nearest line; one line per post (Draft, Normal), or more.
-    {"horizon_sweep", {"HULL_SIZE 128", "ASKED 1", "PARITY 0"}},
-    {"horizon_sweep", {"HULL_SIZE 128", "ASKED 1", "PARITY 0", "DENSE"}},
+    {"horizon_sweep", {"HULL_SIZE 64", "ASKED 1", "PARITY 0"}},
+    {"horizon_sweep", {"HULL_SIZE 64", "ASKED 1", "PARITY 0", "DENSE"}},
     // Two lines: even ones, then odd ones (Best).
-    {"horizon_sweep", {"HULL_SIZE 128", "ASKED 2", "PARITY 0"}},
-    {"horizon_sweep", {"HULL_SIZE 128", "ASKED 2", "PARITY 1"}},
-    {"horizon_sweep", {"HULL_SIZE 128", "ASKED 2", "PARITY 0", "DENSE"}},
-    {"horizon_sweep", {"HULL_SIZE 128", "ASKED 2", "PARITY 1", "DENSE"}},
+    {"horizon_sweep", {"HULL_SIZE 64", "ASKED 2", "PARITY 0"}},
+    {"horizon_sweep", {"HULL_SIZE 64", "ASKED 2", "PARITY 1"}},
+    {"horizon_sweep", {"HULL_SIZE 64", "ASKED 2", "PARITY 0", "DENSE"}},
+    {"horizon_sweep", {"HULL_SIZE 64", "ASKED 2", "PARITY 1", "DENSE"}},
     {"shade", {}},
     {"sky_view", {}},
 };
@@ -125,7 +125,7 @@ TEST(ShaderVariants, EveryQualityRunsWithListedOnes)
         for (int parity = 0; parity < scheme.linesAsked; ++parity)
         {
             Variant used{"horizon_sweep",
-                         {"HULL_SIZE 128", "ASKED " + std::to_string(scheme.linesAsked),
+                         {"HULL_SIZE 64", "ASKED " + std::to_string(scheme.linesAsked),
                           "PARITY " + std::to_string(parity)}};
             if (scheme.linesPerPost > 1)
                 used.defines.push_back("DENSE");

@@ -16,7 +16,7 @@ namespace osgTerrainLight
 
 /// An OpenGL context without a display: EGL on the surfaceless platform (Mesa), else on the first
 /// EGL device that gives one (NVIDIA). It owns a pixel buffer of width × height as default
-/// framebuffer, so an osgViewer::Viewer draws into it through setUpViewerAsEmbeddedInWindow.
+/// framebuffer, so a viewer draws into it once its camera has window() as graphics context.
 class OSGTERRAINLIGHT_EXPORT HeadlessContext
 {
 public:

@@ -62,7 +62,13 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
          [this] { return skyNeeded(); },
          [this](osg::State& state) { return runHorizon(state); },
          [this]
-         { return _horizon ? textureBytes(*_horizon->horizon()) + _horizon->workingBytes() : 0; },
+         {
+             return _horizon ? textureBytes(*_horizon->horizon()) +
+                                   HorizonPass::workingBytes(width(), height(),
+                                                             HorizonScheme::of(_settings.quality),
+                                                             _settings.azimuths)
+                             : 0;
+         },
          [this] { _horizon = nullptr; }});
     const auto skyView = _chain.addStage({"sky",
                                           {horizon},
@@ -75,7 +81,13 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
          {_settingsValue, _sunDirectionValue},
          [this] { return sunNeeded(); },
          [this](osg::State& state) { return runSun(state); },
-         [this] { return _sun ? textureBytes(*_sun->horizon()) + _sun->workingBytes() : 0; },
+         [this]
+         {
+             return _sun ? textureBytes(*_sun->horizon()) +
+                               HorizonPass::workingBytes(width(), height(),
+                                                         HorizonScheme::of(_settings.quality), 1)
+                         : 0;
+         },
          [this] { _sun = nullptr; }});
     _chain.addStage({"shade",
                      {skyView, sun, _lightValue},

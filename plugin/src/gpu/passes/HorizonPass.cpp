@@ -2,6 +2,7 @@
 
 #include "gpu/Textures.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -14,6 +15,14 @@
 
 namespace osgTerrainLight
 {
+
+namespace
+{
+/// Vertices of a line's hull: 8 bytes each, private to the invocation.
+constexpr int hullSize = 64;
+/// Hulls of one dispatch [bytes]: directions are dispatched in batches that stay below.
+constexpr std::size_t hullBudget = std::size_t(24) << 20;
+} // namespace
 
 HorizonScheme HorizonScheme::of(HorizonQuality quality)
 {
@@ -36,7 +45,7 @@ HorizonPass::HorizonPass(const DemTile& tile, osg::Texture2D* heights, const Hor
 {
     for (int parity = 0; parity < scheme.linesAsked; ++parity)
     {
-        std::vector<std::string> defines = {"HULL_SIZE 128",
+        std::vector<std::string> defines = {"HULL_SIZE " + std::to_string(hullSize),
                                             "ASKED " + std::to_string(scheme.linesAsked),
                                             "PARITY " + std::to_string(parity)};
         if (scheme.linesPerPost > 1)
@@ -114,11 +123,16 @@ Status HorizonPass::dispatch(osg::State& state)
 {
     assert(!_directions.empty());
     Status done = Nothing{};
+    const int directions = static_cast<int>(_directions.size());
+    const int batch = directionsPerDispatch(_width, _height, _scheme);
     for (const auto& sweep : _sweeps)
-        if (done)
-            done =
-                sweep->dispatch(state, {GpuPass::groupsFor(_maxLines / _scheme.linesAsked + 1, 32),
-                                        1, static_cast<unsigned>(_directions.size())});
+        for (int first = 0; done && first < directions; first += batch)
+        {
+            sweep->set("firstDirection", first);
+            done = sweep->dispatch(state,
+                                   {GpuPass::groupsFor(_maxLines / _scheme.linesAsked + 1, 32), 1,
+                                    static_cast<unsigned>(std::min(batch, directions - first))});
+        }
     for (std::size_t i = 0; done && i < _directions.size(); ++i)
     {
         const bool north = _directions[i].z() != 0.0f;
@@ -131,9 +145,27 @@ Status HorizonPass::dispatch(osg::State& state)
     return done;
 }
 
-std::size_t HorizonPass::workingBytes() const
+std::size_t HorizonPass::hullBytes(int width, int height, const HorizonScheme& scheme)
 {
-    return textureBytes(*_stepLengths) + textureBytes(*_dropped);
+    // Most lines that a direction can have, the diagonal's, to whole groups.
+    const int lines = scheme.linesPerPost * (width + height) / scheme.linesAsked + 32;
+    return static_cast<std::size_t>(lines) * hullSize * 8;
+}
+
+int HorizonPass::directionsPerDispatch(int width, int height, const HorizonScheme& scheme)
+{
+    return static_cast<int>(
+        std::max<std::size_t>(1, hullBudget / hullBytes(width, height, scheme)));
+}
+
+std::size_t HorizonPass::workingBytes(int width, int height, const HorizonScheme& scheme,
+                                      int directionCount)
+{
+    const int atOnce = std::min(directionsPerDispatch(width, height, scheme), directionCount);
+    const std::size_t stepLengths =
+        sizeof(float) * static_cast<std::size_t>(directionCount) * static_cast<std::size_t>(height);
+    return stepLengths + sizeof(std::uint32_t) +
+           static_cast<std::size_t>(atOnce) * hullBytes(width, height, scheme);
 }
 
 void HorizonPass::releaseGLObjects(osg::State* state) const

@@ -11,6 +11,7 @@
 #include <osg/Texture2D>
 #include <osg/Texture2DArray>
 
+#include <cstddef>
 #include <vector>
 
 namespace osgTerrainLight
@@ -50,13 +51,18 @@ public:
     /// R32UI, one texel: hull vertices that the sweeps dropped since creation (horizon_sweep.comp).
     osg::Texture2D* dropped() const { return _dropped; }
 
-    std::size_t workingBytes() const;
+    /// What a tile's horizons take beside heights and map [bytes]: small textures, and the hulls of
+    /// the sweeps in flight at once, which the driver keeps per invocation.
+    static std::size_t workingBytes(int width, int height, const HorizonScheme& scheme,
+                                    int directionCount);
 
     void releaseGLObjects(osg::State* state) const;
     void resizeGLObjectBuffers(unsigned size);
 
 private:
     ~HorizonPass() override = default;
+    static std::size_t hullBytes(int width, int height, const HorizonScheme& scheme);
+    static int directionsPerDispatch(int width, int height, const HorizonScheme& scheme);
 
     int _width, _height;
     double _northSpacing;
