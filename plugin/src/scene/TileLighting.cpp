@@ -136,6 +136,13 @@ void TileLighting::setSky(const SkyLight& sky)
     _chain.touch(_lightValue);
 }
 
+void TileLighting::touch()
+{
+    Lock lock(_mutex);
+    _chain.touch(_settingsValue);
+    _chain.touch(_lightValue);
+}
+
 Status TileLighting::update(osg::State& state)
 {
     Lock lock(_mutex);

@@ -48,6 +48,9 @@ public:
     void setSettings(const LightingSettings& settings);
     void setSky(const SkyLight& sky);
 
+    /// Every stage runs again at the next update: for measurements, and after a shader was edited.
+    void touch();
+
     /// Runs the stages whose inputs have changed in this context.
     Status update(osg::State& state);
     bool isDirty(unsigned contextID) const;

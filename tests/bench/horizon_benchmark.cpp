@@ -1,0 +1,80 @@
+// Time of the stages on generated terrain: horizons by quality and size, sun, sky view and shading.
+// Wall clock, ended by glFinish. The rate counts posts times azimuths.
+#include "core/SyntheticTerrain.h"
+#include "gpu/HeadlessContext.h"
+#include "scene/TileLighting.h"
+
+#include <benchmark/benchmark.h>
+
+#include <cstdio>
+
+using namespace osgTerrainLight;
+
+namespace
+{
+HeadlessContext* context()
+{
+    static const auto created = HeadlessContext::create();
+    if (created)
+        return created->get();
+    std::fprintf(stderr, "%s\n", created.error().message.c_str());
+    return nullptr;
+}
+
+/// Re-runs all stages after a touch, and counts the time of the one named.
+void runStage(benchmark::State& bench, const char* stage, HorizonQuality quality, int size,
+              int azimuths)
+{
+    if (!context())
+    {
+        bench.SkipWithError("no OpenGL context");
+        return;
+    }
+    osg::State& state = context()->state();
+    const DemTile tile = generateTerrain(TerrainKind::Fractal, size, size, 30.0, 1).value();
+    LightingSettings settings;
+    settings.quality = quality;
+    settings.azimuths = azimuths;
+    osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, SkyLight());
+    lighting->setTimed(true);
+    if (const Status first = lighting->update(state); !first) // compiles the shaders
+    {
+        bench.SkipWithError(first.error().message.c_str());
+        return;
+    }
+    double work = static_cast<double>(tile.postCount());
+    for (auto _ : bench)
+    {
+        lighting->touch();
+        benchmark::DoNotOptimize(lighting->update(state));
+        for (const StageCost& cost : lighting->costs())
+            if (cost.name == stage)
+                bench.SetIterationTime(cost.milliseconds * 1.0e-3);
+    }
+    if (std::string(stage) == "horizon" || std::string(stage) == "sky")
+        work *= azimuths;
+    bench.counters["rate"] = benchmark::Counter(work * static_cast<double>(bench.iterations()),
+                                                benchmark::Counter::kIsRate);
+}
+
+#define OTL_BENCHMARK(stage, quality)                                                              \
+    BENCHMARK_CAPTURE(benchmarkStage, stage##_##quality, #stage, HorizonQuality::quality)          \
+        ->ArgNames({"size", "azimuths"})                                                           \
+        ->Unit(benchmark::kMillisecond)                                                            \
+        ->UseManualTime()
+
+void benchmarkStage(benchmark::State& bench, const char* stage, HorizonQuality quality)
+{
+    runStage(bench, stage, quality, static_cast<int>(bench.range(0)),
+             static_cast<int>(bench.range(1)));
+}
+
+OTL_BENCHMARK(horizon, Draft)->Args({512, 32})->Args({1024, 32});
+OTL_BENCHMARK(horizon, Normal)->Args({256, 32})->Args({512, 32})->Args({1024, 32})->Args({512, 8});
+OTL_BENCHMARK(horizon, Best)->Args({512, 32})->Args({1024, 32});
+OTL_BENCHMARK(sun, Normal)->Args({512, 4})->Args({1024, 4});
+OTL_BENCHMARK(sky, Normal)->Args({512, 32})->Args({1024, 32});
+OTL_BENCHMARK(shade, Normal)->Args({512, 4})->Args({1024, 4});
+} // namespace
+
+BENCHMARK_MAIN();
