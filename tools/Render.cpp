@@ -1,10 +1,13 @@
 #include "Common.h"
 
+#include <osgTerrainLight/TerrainLighting.h>
+
 #include <cpl_conv.h>
 #include <cpl_string.h>
 #include <cpl_vsi.h>
 #include <gdal.h>
 #include <osg/ComputeBoundsVisitor>
+#include <osg/NodeVisitor>
 #include <osgDB/DatabasePager>
 #include <osgDB/FileUtils>
 #include <osgDB/Registry>
@@ -186,6 +189,22 @@ std::vector<std::uint8_t> draw(osgViewer::Viewer& viewer, const Options& options
     return pixels;
 }
 
+/// The first reason why something in the scene was drawn unlit.
+class FailureFinder : public osg::NodeVisitor
+{
+public:
+    FailureFinder() : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN) {}
+    std::string failure;
+
+    void apply(osg::Group& group) override
+    {
+        const auto* lighting = dynamic_cast<const TerrainLighting*>(&group);
+        if (lighting && failure.empty())
+            failure = lighting->getFailure();
+        traverse(group);
+    }
+};
+
 Status run(const CLI::App& app, const Options& options)
 {
     refuseSameFile(options.scene, options.output.path);
@@ -226,7 +245,11 @@ Status run(const CLI::App& app, const Options& options)
     const std::vector<std::uint8_t> pixels = draw(viewer, options, progress);
     if (Status done = gpu->finish(); !done)
         return done;
+    FailureFinder finder;
+    (*scene)->accept(finder);
     viewer.setSceneData(nullptr);
+    if (!finder.failure.empty())
+        return Error{ErrorCode::Failed, options.scene + ": not lit: " + finder.failure};
 
     RasterFrame frame;
     frame.width = options.width;

@@ -212,6 +212,32 @@ TEST_F(GlFailure, ZippedInput)
     EXPECT_EQ(ReadRaster(path("o.tif")).width, 64);
 }
 
+TEST_F(GlFailure, NoPictureWithoutTheLight)
+{
+    const struct
+    {
+        const char* shader;
+        const char* said;
+    } broken[] = {{"passes/shade.comp", "shader passes/shade.comp does not compile: "},
+                  {"host/default_terrain.frag", "shader host/default_terrain.frag does not"}};
+    for (const auto& each : broken)
+    {
+        const std::filesystem::path shaders = folder.string() + ".shaders";
+        std::filesystem::create_directories((shaders / each.shader).parent_path());
+        std::ofstream(shaders / each.shader)
+            << contentOf(std::filesystem::path(OTL_SOURCE_DIR "/shaders") / each.shader)
+            << "\njunk\n";
+        const ToolRun result = run("render " + jacksboro + " o.png --size 64" + quick,
+                                   "export OSGTERRAINLIGHT_SHADERS='" + shaders.string() + "'");
+        EXPECT_EQ(result.status, 1);
+        EXPECT_TRUE(result.complains("terrainlight: " + jacksboro + ": not lit: ")) << result.err;
+        EXPECT_TRUE(result.complains(each.said)) << result.err;
+        EXPECT_FALSE(result.complains("\n; drawing")) << result.err;
+        EXPECT_TRUE(left().empty());
+        std::filesystem::remove_all(shaders);
+    }
+}
+
 // A signal at any moment: the run ends by it, and no partial file is left.
 TEST_F(GlFailure, InterruptLeavesNothing)
 {

@@ -88,6 +88,10 @@ public:
     std::map<std::string, unsigned> getDispatchCounts() const;
     unsigned getDispatchCount() const;
 
+    /// Why terrain is drawn unlit: the first tile's failure, else that of a context or the default
+    /// program. Empty where nothing has failed; something may yet, until all is drawn.
+    std::string getFailure() const;
+
     void traverse(osg::NodeVisitor& visitor) override;
     osg::BoundingSphere computeBound() const override;
     void releaseGLObjects(osg::State* state = nullptr) const override;

@@ -70,7 +70,9 @@ Status GpuPass::build(osg::State& state)
             return shader.error();
         _program = new osg::Program;
         _program->setName(_name);
-        _program->addShader(new osg::Shader(osg::Shader::COMPUTE, shader->text));
+        osg::ref_ptr<osg::Shader> compute = new osg::Shader(osg::Shader::COMPUTE, shader->text);
+        compute->setName(file);
+        _program->addShader(compute);
         _parts = shader->parts;
         _revision = revision;
     }
@@ -84,6 +86,7 @@ Status GpuPass::build(osg::State& state)
     _program->getShader(0)->getPCS(state)->getInfoLog(log);
     if (log.empty())
         _program->getGlProgramInfoLog(state.getContextID(), log);
+    log.erase(log.find_last_not_of(" \n\r\t") + 1);
     return Error{ErrorCode::Failed,
                  "shader " + file + " does not compile: " + ComposedShader{{}, _parts}.mapLog(log)};
 }

@@ -546,6 +546,11 @@ unsigned TerrainLighting::getDispatchCount() const
     return sum;
 }
 
+std::string TerrainLighting::getFailure() const
+{
+    return _tiles->set->failure();
+}
+
 void TerrainLighting::traverse(osg::NodeVisitor& visitor)
 {
     if (osgUtil::CullVisitor* cull = visitor.asCullVisitor())

@@ -14,7 +14,25 @@ namespace osgTerrainLight
 namespace
 {
 using Lock = std::lock_guard<std::mutex>;
+
+std::string whyNotLinked(const osg::Program& program, osg::State& state)
+{
+    std::string place = program.getName() + " does not link: ";
+    std::string log;
+    for (unsigned i = 0; log.empty() && i < program.getNumShaders(); ++i)
+    {
+        const osg::Shader& shader = *program.getShader(i);
+        if (shader.getPCS(state)->isCompiled())
+            continue;
+        shader.getPCS(state)->getInfoLog(log);
+        place = "shader " + shader.getName() + " does not compile: ";
+    }
+    if (log.empty())
+        program.getGlProgramInfoLog(state.getContextID(), log);
+    log.erase(log.find_last_not_of(" \n\r\t") + 1);
+    return place + log;
 }
+} // namespace
 
 LitTile::Stage LitTile::stage(unsigned context) const
 {
@@ -27,6 +45,22 @@ void LitTile::setStage(unsigned context, Stage stage)
 {
     Lock lock(_mutex);
     _stages[context] = stage;
+}
+
+void LitTile::fail(unsigned context, const std::string& message)
+{
+    Lock lock(_mutex);
+    _stages[context] = Stage::Failed;
+    _failures[context] = message;
+}
+
+std::string LitTile::failure() const
+{
+    Lock lock(_mutex);
+    for (const auto& [context, stage] : _stages)
+        if (stage == Stage::Failed)
+            return _failures.at(context);
+    return {};
 }
 
 void LitTile::forget(unsigned context)
@@ -81,6 +115,23 @@ bool TileSet::isDone(unsigned context) const
                                           found->second.done == _revision;
 }
 
+std::string TileSet::failure() const
+{
+    Lock lock(_mutex);
+    for (const auto& tile : _tiles)
+        if (const std::string failure = tile->failure(); !failure.empty())
+            return tile->name() + ": " + failure;
+    return _unsupported.empty() ? _programFailure : _unsupported;
+}
+
+void TileSet::programFailed(const std::string& message) const
+{
+    Lock lock(_mutex);
+    if (message != _programFailure)
+        OSG_WARN << "osgTerrainLight: " << message << "; drawing unlit" << std::endl;
+    _programFailure = message;
+}
+
 bool TileSet::supports(osg::State& state, Context& context)
 {
     if (context.asked)
@@ -88,9 +139,11 @@ bool TileSet::supports(osg::State& state, Context& context)
     context.asked = true;
     const Result<GpuCapabilities> found = GpuCapabilities::query(state);
     context.supported = found.ok();
-    if (!found && !_warned)
-        OSG_WARN << "osgTerrainLight: " << found.error().message << "; drawing unlit" << std::endl;
-    _warned = _warned || !found;
+    if (!found && _unsupported.empty())
+    {
+        _unsupported = found.error().message;
+        OSG_WARN << "osgTerrainLight: " << _unsupported << "; drawing unlit" << std::endl;
+    }
     return context.supported;
 }
 
@@ -125,10 +178,14 @@ void TileSet::compute(osg::State& state)
             break;
         worked = true;
         const Status updated = tile.lighting().update(state);
-        tile.setStage(id, updated ? LitTile::Stage::Lit : LitTile::Stage::Failed);
-        if (!updated)
+        if (updated)
+            tile.setStage(id, LitTile::Stage::Lit);
+        else
+        {
+            tile.fail(id, updated.error().message);
             OSG_WARN << "osgTerrainLight: " << tile.name() << ": " << updated.error().message
                      << "; drawing it unlit" << std::endl;
+        }
         if (limit > 0.0)
             glFinish(); // else the clock sees dispatches being queued, not run
     }
@@ -152,6 +209,8 @@ void TileProgram::apply(osg::State& state) const
     if (_tiles->isLit(*_tile, state.getContextID()))
     {
         _program->apply(state);
+        if (!_program->getPCP(state)->isLinked())
+            _tiles->programFailed(whyNotLinked(*_program, state));
         return;
     }
     const auto* extensions = state.get<osg::GLExtensions>();

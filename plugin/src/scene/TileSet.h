@@ -34,6 +34,9 @@ public:
     };
     Stage stage(unsigned context) const;
     void setStage(unsigned context, Stage stage);
+    void fail(unsigned context, const std::string& message);
+    /// Of the first context where it failed; empty where there is none.
+    std::string failure() const;
     /// ~0u: all contexts.
     void forget(unsigned context);
     /// What failed may be tried again.
@@ -45,6 +48,7 @@ private:
     osg::ref_ptr<TileLighting> _lighting;
     mutable std::mutex _mutex;
     std::map<unsigned, Stage> _stages;
+    std::map<unsigned, std::string> _failures; ///< where the stage is Failed, or was
 };
 
 /// The tiles of one TerrainLighting as its draw traversals see them. Thread-safe.
@@ -70,6 +74,11 @@ public:
     /// False where compute() would run a stage.
     bool isDone(unsigned context) const;
 
+    /// The first reason why a context or a tile draws unlit; empty where there is none.
+    std::string failure() const;
+    /// Once per message.
+    void programFailed(const std::string& message) const;
+
     /// Computes what has changed, in turn, within the budget. Needs a current context.
     void compute(osg::State& state);
 
@@ -88,7 +97,8 @@ private:
     std::vector<osg::ref_ptr<LitTile>> _tiles;
     std::map<unsigned, Context> _contexts;
     std::atomic<unsigned> _revision{1};
-    bool _warned = false;
+    std::string _unsupported;
+    mutable std::string _programFailure;
 };
 
 /// Stands for a program where its tile is lit in the context, and for none where it is not: the
