@@ -5,6 +5,7 @@
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"
+#include "support/ShaderFolder.h"
 
 #include <osg/MatrixTransform>
 #include <osgDB/ReadFile>
@@ -16,6 +17,8 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 using namespace osgTerrainLight;
 
@@ -148,6 +151,41 @@ TEST(TerrainLighting, AStillSceneDispatchesNothingAndAChangeOnlyWhatItReaches)
     lighting->setSkyLight(sky);
     picture.draw(3);
     EXPECT_EQ(lighting->getDispatchCount(), 1u + 1u + 2u + 3u);
+}
+
+TEST(TerrainLighting, EditedShadersAreTakenUpInAStillScene)
+{
+    OTL_NEED_GL(context);
+    const auto sourceOf = [](const std::string& name)
+    {
+        std::ifstream file(OTL_SOURCE_DIR "/shaders/" + name);
+        return std::string(std::istreambuf_iterator<char>(file), {});
+    };
+    osg::ref_ptr<TerrainLighting> lighting = litCone();
+    ScenePicture picture(lighting, reach);
+    picture.draw(2);
+    const std::vector<unsigned char> lit = picture.pixels();
+    EXPECT_EQ(lighting->getDispatchCount(), 4u);
+    for (const std::string name : {"passes/shade.comp", "host/default_terrain.frag"})
+    {
+        Said said;
+        ShaderFile file(name, sourceOf(name) + "\njunk\n");
+        picture.draw(2);
+        EXPECT_FALSE(picture.pixels() == lit);
+        EXPECT_NE(lighting->getFailure().find("shader " + name + " does not compile: "),
+                  std::string::npos)
+            << lighting->getFailure();
+        EXPECT_EQ(said.count("; drawing"), 1) << said.text();
+        file.write(sourceOf(name));
+        picture.draw(2);
+        EXPECT_TRUE(picture.pixels() == lit);
+        EXPECT_EQ(lighting->getFailure(), "");
+        const unsigned spent = lighting->getDispatchCount();
+        picture.draw(3);
+        EXPECT_EQ(lighting->getDispatchCount(), spent);
+    }
+    picture.draw(); // the file has gone: another edit
+    EXPECT_TRUE(picture.pixels() == lit);
 }
 
 TEST(TerrainLighting, ATileAddedLaterIsLitDeepBelow)

@@ -1,5 +1,6 @@
 #include <osgTerrainLight/TerrainLighting.h>
 
+#include "gpu/ShaderLibrary.h"
 #include "io/LightParameters.h"
 #include "scene/KeyHandler.h"
 #include "scene/ShadingBinding.h"
@@ -183,6 +184,7 @@ public:
     void update()
     {
         retire();
+        followShaders();
         _owner.getBound();
         for (const auto& [tile, entry] : _found)
             if (!(versionOf(*tile, entry.toScene) == entry.version))
@@ -279,9 +281,9 @@ private:
         osg::ref_ptr<osg::Program> program;
         if (withProgram)
         {
-            if (!_program)
-                _program = createDefaultProgram();
-            program = new TileProgram(_program, set, lit.tile);
+            if (!set->program())
+                set->setProgram(createDefaultProgram());
+            program = new TileProgram(set, lit.tile);
         }
         lit.binding = std::make_shared<ShadingBinding>(stateSet, lit.tile->lighting().shading(),
                                                        _owner._textureUnit, coordinates, program);
@@ -298,6 +300,24 @@ private:
         if (lit.binding)
             _retired.push_back({std::move(lit.binding), emptied});
         lit = Lit();
+    }
+
+    /// Takes up edits in the folder of shaders that replace ours, if there is one.
+    void followShaders()
+    {
+        const long long shaders = ShaderLibrary::instance().revision();
+        if (shaders == _shaders)
+            return;
+        _shaders = shaders;
+        if (set->program())
+            set->setProgram(createDefaultProgram());
+        forEach(
+            [](LitTile& tile)
+            {
+                tile.lighting().recompute();
+                tile.retry();
+            });
+        set->touch();
     }
 
     void retire()
@@ -405,7 +425,7 @@ private:
 
     TerrainLighting& _owner;
     osg::ref_ptr<ComputeDrawable> _drawable;
-    osg::ref_ptr<osg::Program> _program;
+    long long _shaders = ShaderLibrary::instance().revision();
     std::map<osgTerrain::TerrainTile*, Entry> _found;
     std::map<osg::ref_ptr<osg::StateSet>, Lit> _added;
     std::deque<Retired> _retired;

@@ -143,6 +143,12 @@ void TileLighting::touch()
     _chain.touch(_lightValue);
 }
 
+void TileLighting::recompute()
+{
+    Lock lock(_mutex);
+    _chain.forget(~0u);
+}
+
 Status TileLighting::update(osg::State& state)
 {
     Lock lock(_mutex);

@@ -51,6 +51,9 @@ public:
     /// Every stage runs again at the next update: for measurements, and after a shader was edited.
     void touch();
 
+    /// Every stage runs again, in every context: its shader may be another.
+    void recompute();
+
     /// Runs the stages whose inputs have changed in this context.
     Status update(osg::State& state);
     bool isDirty(unsigned contextID) const;

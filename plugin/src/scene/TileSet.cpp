@@ -104,6 +104,19 @@ void TileSet::forget(unsigned context)
         _contexts.erase(context);
 }
 
+void TileSet::setProgram(osg::Program* program)
+{
+    Lock lock(_mutex);
+    _programs.emplace_back(program);
+    _programFailure.clear();
+}
+
+osg::ref_ptr<osg::Program> TileSet::program() const
+{
+    Lock lock(_mutex);
+    return _programs.empty() ? nullptr : _programs.back();
+}
+
 bool TileSet::isDone(unsigned context) const
 {
     if (!enabled)
@@ -198,19 +211,19 @@ void TileSet::compute(osg::State& state)
         context.next = (first + i) % tiles.size();
 }
 
-TileProgram::TileProgram(osg::Program* program, const TileSet* tiles, const LitTile* tile)
-    : _program(program), _tiles(tiles), _tile(tile)
+TileProgram::TileProgram(const TileSet* tiles, const LitTile* tile) : _tiles(tiles), _tile(tile)
 {
-    setName(program->getName());
+    setName(tiles->program()->getName());
 }
 
 void TileProgram::apply(osg::State& state) const
 {
     if (_tiles->isLit(*_tile, state.getContextID()))
     {
-        _program->apply(state);
-        if (!_program->getPCP(state)->isLinked())
-            _tiles->programFailed(whyNotLinked(*_program, state));
+        const osg::ref_ptr<osg::Program> program = _tiles->program();
+        program->apply(state);
+        if (!program->getPCP(state)->isLinked())
+            _tiles->programFailed(whyNotLinked(*program, state));
         return;
     }
     const auto* extensions = state.get<osg::GLExtensions>();
@@ -227,19 +240,19 @@ int TileProgram::compare(const osg::StateAttribute& other) const
 
 void TileProgram::compileGLObjects(osg::State& state) const
 {
-    _program->compileGLObjects(state);
+    _tiles->program()->compileGLObjects(state);
 }
 
 void TileProgram::releaseGLObjects(osg::State* state) const
 {
     osg::Program::releaseGLObjects(state);
-    _program->releaseGLObjects(state);
+    _tiles->program()->releaseGLObjects(state);
 }
 
 void TileProgram::resizeGLObjectBuffers(unsigned size)
 {
     osg::Program::resizeGLObjectBuffers(size);
-    _program->resizeGLObjectBuffers(size);
+    _tiles->program()->resizeGLObjectBuffers(size);
 }
 
 } // namespace osgTerrainLight

@@ -62,6 +62,10 @@ public:
     void touch() { ++_revision; }
     void forget(unsigned context);
 
+    /// The default program of all tiles. Earlier ones are kept: draws may be using them.
+    void setProgram(osg::Program* program);
+    osg::ref_ptr<osg::Program> program() const;
+
     std::atomic<bool> enabled{true};
     std::atomic<double> budget{50.0}; ///< [ms] per frame; 0: no limit
 
@@ -97,16 +101,18 @@ private:
     std::vector<osg::ref_ptr<LitTile>> _tiles;
     std::map<unsigned, Context> _contexts;
     std::atomic<unsigned> _revision{1};
+    std::vector<osg::ref_ptr<osg::Program>> _programs; ///< more than one where shaders are edited
     std::string _unsupported;
     mutable std::string _programFailure;
 };
 
-/// Stands for a program where its tile is lit in the context, and for none where it is not: the
-/// host scene then draws as if nothing had been installed.
+/// Stands for the tiles' program where its tile is lit in the context, and for none where it is
+/// not: the host scene then draws as if nothing had been installed.
 class TileProgram : public osg::Program
 {
 public:
-    TileProgram(osg::Program* program, const TileSet* tiles, const LitTile* tile);
+    /// Precondition: tiles have a program.
+    TileProgram(const TileSet* tiles, const LitTile* tile);
 
     void apply(osg::State& state) const override;
     int compare(const osg::StateAttribute& other) const override;
@@ -115,7 +121,6 @@ public:
     void resizeGLObjectBuffers(unsigned size) override;
 
 private:
-    osg::ref_ptr<osg::Program> _program; ///< one for all tiles
     osg::ref_ptr<const TileSet> _tiles;
     osg::ref_ptr<const LitTile> _tile;
 };
