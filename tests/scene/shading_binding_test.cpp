@@ -57,12 +57,14 @@ TEST(ShadingBinding, GivesBackWhatItReplaced)
     stateSet->addUniform(new osg::Uniform("theirs", 1.0f));
     stateSet->setAttributeAndModes(new osg::Program, osg::StateAttribute::PROTECTED);
     stateSet->setMode(GL_BLEND, osg::StateAttribute::ON);
+    stateSet->setDataVariance(osg::Object::STATIC);
     const auto before = copyOf(*stateSet);
     for (unsigned unit : {0u, 1u, 3u, 9u})
     {
         {
             ShadingBinding binding(stateSet, shadingTexture(), unit, {}, new osg::Program);
             EXPECT_NE(stateSet->compare(*before, true), 0);
+            EXPECT_EQ(stateSet->getDataVariance(), osg::Object::DYNAMIC);
         }
         expectSame(*stateSet, *before);
     }

@@ -6,6 +6,7 @@
 #include "scene/TerrainModel.h"
 #include "support/AnalyticTerrain.h"
 
+#include <osgTerrain/TerrainTile>
 #include <osgViewer/CompositeViewer>
 
 #include <atomic>
@@ -146,6 +147,53 @@ int main(int argc, char** argv)
         viewer.frame();
     }
     check(false, "after tiles came and went");
+    {
+        // What is being drawn is bound, changed and left again: a host's own, and a tile's heights.
+        osg::ref_ptr<osg::Geometry> quad = osg::createTexturedQuadGeometry(
+            osg::Vec3(-320, -320, -500), osg::Vec3(640, 0, 0), osg::Vec3(0, 640, 0));
+        osg::StateSet* stateSet = quad->getOrCreateStateSet();
+        stateSet->setDataVariance(osg::Object::DYNAMIC);
+        osg::ref_ptr<osg::Node> dressed = createTerrain(cone);
+        auto* tile = dynamic_cast<osgTerrain::TerrainTile*>(dressed->asGroup()->getChild(0));
+        tile->getOrCreateStateSet()->setMode(GL_CULL_FACE, osg::StateAttribute::OFF);
+        lighting->addChild(quad);
+        lighting->addChild(dressed);
+        for (int i = 0; i < 40; ++i)
+        {
+            if (i % 2)
+                lighting->removeTile(stateSet);
+            else
+                expect(lighting->addTile(cone, stateSet, {}, true), "tile added");
+            tile->getElevationLayer()->dirty();
+            tile->setDirty(i % 3 == 0);
+            viewer.frame();
+            expect(tile->getStateSet()->getDataVariance() == osg::Object::DYNAMIC,
+                   "a bound StateSet is dynamic");
+        }
+        // Lighting that comes above what is already drawn.
+        lighting->removeChild(dressed);
+        lighting->removeChild(quad);
+        for (int i = 0; i < 8; ++i)
+            viewer.frame();
+        expect(tile->getStateSet()->getDataVariance() == osg::Object::UNSPECIFIED &&
+                   !tile->getStateSet()->getUniform(ShadingTexture::sampler),
+               "a StateSet is left as it was");
+        for (unsigned i = 0; i < contexts; ++i)
+            viewer.getView(i)->setSceneData(dressed);
+        for (int i = 0; i < 3; ++i)
+            viewer.frame();
+        osg::ref_ptr<TerrainLighting> late = new TerrainLighting;
+        late->addChild(dressed);
+        for (unsigned i = 0; i < contexts; ++i)
+            viewer.getView(i)->setSceneData(late);
+        viewer.frame();
+        expect(!tile->getStateSet()->getUniform(ShadingTexture::sampler), "not bound while drawn");
+        settle();
+        expect(tile->getStateSet()->getUniform(ShadingTexture::sampler), "bound after a frame");
+        for (unsigned i = 0; i < contexts; ++i)
+            viewer.getView(i)->setSceneData(lighting);
+    }
+    check(false, "after edits of what is drawn");
     expect(lighting->getTileCount() == 1, "one tile is left");
     viewer.stopThreading();
     return failures ? 1 : 0;

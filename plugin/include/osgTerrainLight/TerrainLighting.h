@@ -74,7 +74,8 @@ public:
 
     /// Lights a host's own terrain, drawn below this node with `stateSet`. program: whether the
     /// default program is put on it as well; else the host's shaders read the texture. False, with
-    /// a warning, where the tile has no post or the StateSet is taken.
+    /// a warning, where the tile has no post or the StateSet is taken. The StateSet is made
+    /// osg::Object::DYNAMIC; one that was drawn in the last frame must have been so already.
     bool addTile(const DemTile& tile, osg::StateSet* stateSet,
                  const ShadingCoordinates& coordinates = {}, bool program = false);
     /// Leaves the StateSet as addTile() found it, a few updates later: frames that are still being

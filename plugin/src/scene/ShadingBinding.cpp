@@ -51,8 +51,10 @@ osg::ref_ptr<osg::Program> createDefaultProgram()
 
 ShadingBinding::ShadingBinding(osg::StateSet* stateSet, osg::Texture2D* shading, unsigned unit,
                                const ShadingCoordinates& coordinates, osg::Program* program)
-    : _stateSet(stateSet), _shading(shading), _program(program), _unit(unit)
+    : _stateSet(stateSet), _shading(shading), _program(program), _unit(unit),
+      _theirVariance(stateSet->getDataVariance())
 {
+    stateSet->setDataVariance(osg::Object::DYNAMIC);
     _theirTextureUnits = stateSet->getTextureAttributeList().size();
     _theirTextureModes = stateSet->getTextureModeList();
     if (const auto* pair = stateSet->getTextureAttributePair(unit, osg::StateAttribute::TEXTURE))
@@ -93,6 +95,7 @@ void ShadingBinding::setHasColour(bool hasColour)
 ShadingBinding::~ShadingBinding()
 {
     osg::StateSet& stateSet = *_stateSet;
+    stateSet.setDataVariance(_theirVariance);
     for (const Slot& slot : _uniforms)
     {
         if (stateSet.getUniform(slot.name) != slot.ours)

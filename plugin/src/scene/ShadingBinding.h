@@ -14,11 +14,13 @@ namespace osgTerrainLight
 {
 
 /// Puts a shading texture on a host's StateSet, and takes it off when destroyed: the StateSet is
-/// then what it was, but for what the host itself changed meanwhile.
+/// then what it was, but for what the host itself changed meanwhile. Between, the StateSet is
+/// osg::Object::DYNAMIC: updates wait for threads that draw with it, so that it may be changed.
 class OSGTERRAINLIGHT_EXPORT ShadingBinding
 {
 public:
-    /// program: null where the host's own shaders read the texture.
+    /// program: null where the host's own shaders read the texture. Precondition: stateSet was
+    /// DYNAMIC in the last frame, or not drawn in it.
     ShadingBinding(osg::StateSet* stateSet, osg::Texture2D* shading, unsigned unit,
                    const ShadingCoordinates& coordinates, osg::Program* program);
     ~ShadingBinding();
@@ -26,6 +28,9 @@ public:
     ShadingBinding& operator=(const ShadingBinding&) = delete;
 
     osg::StateSet* stateSet() const { return _stateSet.get(); }
+
+    /// What the StateSet was if the caller has made it DYNAMIC.
+    void setTheirVariance(osg::Object::DataVariance variance) { _theirVariance = variance; }
 
     /// Whether texture unit 0 holds the tile's colours. Effective with a program.
     void setHasColour(bool hasColour);
@@ -37,6 +42,7 @@ private:
     osg::ref_ptr<osg::Texture2D> _shading;
     osg::ref_ptr<osg::Program> _program;
     unsigned _unit;
+    osg::Object::DataVariance _theirVariance;
 
     struct Slot
     {

@@ -256,6 +256,8 @@ private:
         TileVersion version;
         Lit lit;
         bool ownStateSet = false; ///< the tile had none before
+        /// Of a StateSet that has been made DYNAMIC and is bound at the next update.
+        std::optional<osg::Object::DataVariance> theirVariance;
         bool byTexCoord = false;
         bool seen = false;
     };
@@ -375,9 +377,43 @@ private:
                 ++i;
             else
             {
+                undoWait(i->second);
                 release(i->second.lit, i->second.ownStateSet ? i->first : nullptr);
                 i = _found.erase(i);
             }
+        _searched = true;
+    }
+
+    /// True where the tile may have been drawn by threads that are still reading what binding it
+    /// changes. It then is DYNAMIC from the next frame on: updates wait for that to be drawn.
+    bool waits(Entry& entry, const FoundTile& found, bool known)
+    {
+        osgTerrain::TerrainTile& tile = *found.tile;
+        const osg::StateSet* stateSet = tile.getStateSet();
+        // What comes below a node that has searched before is new to the scene.
+        if ((_searched && !known) ||
+            (stateSet && stateSet->getDataVariance() == osg::Object::DYNAMIC))
+            return false;
+        const bool coordinates =
+            std::any_of(found.parts.begin(), found.parts.end(),
+                        [](const TilePart& part) {
+                            return !part.geometry->getTexCoordArray(ShadingTexture::coordinateSet);
+                        });
+        if (!stateSet && (!coordinates || affineCoordinates(tile, found.parts)))
+            return false;
+        entry.ownStateSet = !stateSet;
+        entry.theirVariance = tile.getOrCreateStateSet()->getDataVariance();
+        tile.getStateSet()->setDataVariance(osg::Object::DYNAMIC);
+        return true;
+    }
+
+    static void undoWait(Entry& entry)
+    {
+        if (entry.theirVariance && entry.ownStateSet)
+            entry.tile->setStateSet(nullptr);
+        else if (entry.theirVariance && entry.tile->getStateSet())
+            entry.tile->getStateSet()->setDataVariance(*entry.theirVariance);
+        entry.theirVariance.reset();
     }
 
     void use(const FoundTile& found)
@@ -394,16 +430,22 @@ private:
             return;
         if (known)
             release(entry.lit, entry.ownStateSet ? &tile : nullptr);
-        takeFrom(tile.getStateSet());
         entry.tile = &tile;
         entry.toScene = found.toScene;
+        if (version.layer && waits(entry, found, known))
+            return; // its version is not the entry's: the next update comes here again
+        takeFrom(tile.getStateSet());
         entry.version = version;
         if (!version.layer)
+        {
+            undoWait(entry);
             return; // may come later
+        }
         const Result<DemTile> dem = readTerrainTile(tile, found.toScene);
         if (!dem)
         {
             warn(nameOf(tile) + " is drawn unlit: " + dem.error().message);
+            undoWait(entry);
             return;
         }
         std::optional<ShadingCoordinates> coordinates = affineCoordinates(tile, found.parts);
@@ -417,10 +459,14 @@ private:
         const bool stock = dynamic_cast<const osgTerrain::GeometryTechnique*>(
                                tile.getTerrainTechnique()) != nullptr;
         entry.lit = light(*dem, nameOf(tile));
-        entry.ownStateSet = !tile.getStateSet();
+        if (!entry.theirVariance)
+            entry.ownStateSet = !tile.getStateSet();
         bind(entry.lit, tile.getOrCreateStateSet(), *coordinates,
              _owner._defaultProgramEnabled && stock && !found.hasProgram);
         entry.lit.binding->setHasColour(hasColour(tile));
+        if (entry.theirVariance)
+            entry.lit.binding->setTheirVariance(*entry.theirVariance);
+        entry.theirVariance.reset();
     }
 
     TerrainLighting& _owner;
@@ -429,6 +475,7 @@ private:
     std::map<osgTerrain::TerrainTile*, Entry> _found;
     std::map<osg::ref_ptr<osg::StateSet>, Lit> _added;
     std::deque<Retired> _retired;
+    bool _searched = false;
 };
 
 TerrainLighting::TerrainLighting() : _tiles(new Tiles(*this))
