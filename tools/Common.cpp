@@ -102,10 +102,12 @@ Status compute(LitTile& lit, const RasterOptions& options, const SkyLight& sky,
 void summarise(const std::string& mode, const LitTile& lit)
 {
     const double posts = static_cast<double>(lit.dem.tile.postCount());
-    std::cout << mode << ": " << lit.dem.tile.postCount() << " posts, " << lit.azimuths
-              << (lit.azimuths == 1 ? " azimuth, " : " azimuths, ")
-              << CPLSPrintf("%.3g s, %.3g million pixel-azimuths/s", lit.seconds,
-                            posts * lit.azimuths / lit.seconds * 1e-6);
+    std::cout << mode << ": " << lit.dem.tile.postCount() << " posts, ";
+    if (lit.azimuths > 0)
+        std::cout << lit.azimuths << (lit.azimuths == 1 ? " azimuth, " : " azimuths, ")
+                  << CPLSPrintf("%.3g million pixel-azimuths/s, ",
+                                posts * lit.azimuths / lit.seconds * 1e-6);
+    std::cout << CPLSPrintf("%.3g s", lit.seconds);
     if (const unsigned dropped = lit.lighting->readDroppedVertices(lit.gpu.state()))
         std::cout << ", " << dropped << " hull vertices dropped";
     std::cout << std::endl;

@@ -220,8 +220,6 @@ Status run(const CLI::App& app, const Options& options)
                                                   gpu->capabilities.renderer + "' draws " +
                                                   std::to_string(gpu->capabilities.maxTextureSize) +
                                                   " a side at most"};
-    Progress progress(options.output.quiet);
-    progress.reach(0.0);
     Result<osg::ref_ptr<osg::Node>> scene = load(app, options);
     if (!scene)
         return scene.error();
@@ -229,6 +227,7 @@ Status run(const CLI::App& app, const Options& options)
     (*scene)->accept(bounds);
     if (!bounds.getBoundingBox().valid())
         return Error{ErrorCode::Invalid, options.scene + ": nothing in it has an extent"};
+    Progress progress(options.output.quiet);
     progress.reach(0.2);
 
     osgViewer::Viewer viewer;

@@ -9,6 +9,7 @@
 #include <ogr_spatialref.h>
 
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -369,6 +370,15 @@ TEST_F(RasterWriterTest, FailuresNameTheReasonAndLeaveTheTarget)
     EXPECT_EQ(files(), (Names{"keep.tif", "plain", "sub"}));
     EXPECT_EQ(content(in("keep.tif")), "what was there");
     EXPECT_TRUE(fs::is_empty(folder / "sub"));
+}
+
+TEST_F(RasterWriterTest, APipeIsNotReplaced)
+{
+    ASSERT_EQ(mkfifo(in("pipe.tif").c_str(), 0600), 0);
+    const Status written = writeRaster(in("pipe.tif"), smallFrame(), oneBand());
+    ASSERT_FALSE(written.ok());
+    EXPECT_NE(written.error().message.find("a device or a pipe"), std::string::npos);
+    EXPECT_TRUE(fs::is_fifo(in("pipe.tif")));
 }
 
 TEST_F(RasterWriterTest, FolderWithoutLeaveToWrite)

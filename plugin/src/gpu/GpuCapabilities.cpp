@@ -1,12 +1,10 @@
 #include "gpu/GpuCapabilities.h"
 
+#include "gpu/GlConstants.h"
+
 #include <osg/GLExtensions>
 
 #include <cstdio>
-
-#ifndef GL_MAX_ARRAY_TEXTURE_LAYERS
-#define GL_MAX_ARRAY_TEXTURE_LAYERS 0x88FF
-#endif
 
 namespace osgTerrainLight
 {

@@ -1,17 +1,11 @@
 #include "gpu/PassChain.h"
 
+#include "gpu/GlConstants.h"
 #include "gpu/GpuCapabilities.h"
 
 #include <osg/GLExtensions>
 
 #include <chrono>
-
-#ifndef GL_TIME_ELAPSED
-#define GL_TIME_ELAPSED 0x88BF
-#endif
-#ifndef GL_QUERY_RESULT
-#define GL_QUERY_RESULT 0x8866
-#endif
 
 namespace osgTerrainLight
 {

@@ -1,20 +1,12 @@
 #include "gpu/Textures.h"
 
+#include "gpu/GlConstants.h"
+
 #include <osg/Image>
 
 #include <algorithm>
 #include <cassert>
 #include <cstring>
-
-#ifndef GL_R16
-#define GL_R16 0x822A
-#endif
-#ifndef GL_R32UI
-#define GL_R32UI 0x8236
-#endif
-#ifndef GL_RED_INTEGER
-#define GL_RED_INTEGER 0x8D94
-#endif
 
 namespace osgTerrainLight
 {

@@ -138,6 +138,10 @@ Status writeExr(const std::string& path, const ExrImage& image, ExrPixelType typ
     std::error_code failure;
     if (fs::is_directory(target, failure))
         return Error{ErrorCode::Failed, path + ": is a folder; needed the name of a file"};
+    // A device or a pipe would be replaced by the file that is moved over it.
+    if (fs::exists(target, failure) && !fs::is_regular_file(target, failure))
+        return Error{ErrorCode::Failed,
+                     path + ": is a device or a pipe; needed the name of a file"};
     static std::atomic<unsigned> counter{0};
     // Random rather than the process id, which neither standard library nor OpenEXR gives.
     static const unsigned process = std::random_device{}();

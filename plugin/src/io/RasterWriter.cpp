@@ -50,6 +50,10 @@ public:
             if (VSI_ISDIR(stat.st_mode))
                 return Error{ErrorCode::Failed,
                              _target + ": is a folder; needed the name of a file"};
+            // A device or a pipe would be replaced by the file that is moved over it.
+            if (!VSI_ISREG(stat.st_mode))
+                return Error{ErrorCode::Failed,
+                             _target + ": is a device or a pipe; needed the name of a file"};
             if (!overwrite)
                 return Error{ErrorCode::Failed,
                              _target + ": exists already, and overwriting was not asked for"};

@@ -1,5 +1,6 @@
 #include "scene/TileLighting.h"
 
+#include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
 
 #include <OpenThreads/ScopedLock>
@@ -7,10 +8,6 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-
-#ifndef GL_R16
-#define GL_R16 0x822A
-#endif
 
 namespace osgTerrainLight
 {

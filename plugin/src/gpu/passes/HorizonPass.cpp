@@ -1,17 +1,11 @@
 #include "gpu/passes/HorizonPass.h"
 
+#include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-
-#ifndef GL_R16
-#define GL_R16 0x822A
-#endif
-#ifndef GL_R32UI
-#define GL_R32UI 0x8236
-#endif
 
 namespace osgTerrainLight
 {
