@@ -28,7 +28,6 @@ run horizon "$dem" "$out/horizons.tif" --azimuths 16 -co COMPRESS=DEFLATE
 run shadow "$dem" "$out/shadow.tif" --sun 120,12
 run shade "$dem" "$out/shading.tif" --sun 315,35
 run shade "$dem" "$out/morning.png" --sun 95,14 -co WORLDFILE=YES
-run shade "$dem" "$out/sky_only.png" --no-sun --exposure 1.4
 run render earth_files/jacksboro.earth "$out/valley.png" --size 1280,720 --sun 300,18
 run render "$dem" "$out/map.png" --top --size 1000,1000 --sun 315,30 --exposure -0.3
 run generate fractal "$out/fractal.tif" --size 1024 --seed 4
