@@ -1,3 +1,4 @@
+#include "gpu/GlConstants.h"
 #include "gpu/GpuPass.h"
 
 #include "gpu/Textures.h"
@@ -16,12 +17,6 @@
 
 #ifndef GL_CURRENT_PROGRAM
 #define GL_CURRENT_PROGRAM 0x8B8D
-#endif
-#ifndef GL_R16
-#define GL_R16 0x822A
-#endif
-#ifndef GL_R32UI
-#define GL_R32UI 0x8236
 #endif
 
 using namespace osgTerrainLight;

@@ -22,11 +22,6 @@ osg::Vec3f vec3(const Rgb& c)
 {
     return {c[0], c[1], c[2]};
 }
-
-bool sameSunPlace(const SkyLight& a, const SkyLight& b)
-{
-    return a.sunAzimuth == b.sunAzimuth;
-}
 } // namespace
 
 TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings,
@@ -127,7 +122,7 @@ void TileLighting::setSettings(const LightingSettings& settings)
 void TileLighting::setSky(const SkyLight& sky)
 {
     Lock lock(_mutex);
-    if (!sameSunPlace(sky, _sky))
+    if (sky.sunAzimuth != _sky.sunAzimuth)
         _chain.touch(_sunDirectionValue);
     _sky = sky;
     _chain.touch(_lightValue);
