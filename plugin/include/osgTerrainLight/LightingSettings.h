@@ -7,6 +7,9 @@
 
 namespace osgTerrainLight
 {
+class DemTile;
+struct SettingsChoice;
+struct SkyLight;
 
 /// How exactly horizons are computed; docs/ARCHITECTURE.md has each one's error and cost.
 enum class HorizonQuality
@@ -29,6 +32,36 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
     /// Multiplies the colour before it is encoded to sRGB, in the default program and in PNG
     /// output: 2^exposure. Stops, −20 … 20.
     double exposure = 0.0;
+
+    /// The cheapest settings whose error on this terrain, under this light, is measured to be at
+    /// most maxError (> 0), and the most exact ones within a time per lighting of the whole tile
+    /// (milliseconds > 0). SettingsChoice says what is measured and promised.
+    ///
+    /// They measure in an OpenGL context of their own, which they make current on the calling
+    /// thread: call them where none is current. It takes about as long as lighting the tile a few
+    /// times, so choose once for a kind of terrain, not per tile or frame.
+    static SettingsChoice forMaxError(double maxError, const DemTile& tile, const SkyLight& sky);
+    static SettingsChoice forFrameTime(double milliseconds, const DemTile& tile,
+                                       const SkyLight& sky);
+};
+
+/// Settings chosen by measurement.
+///
+/// Error is the root mean square, over posts, of the difference in luminance between the shading
+/// and that of exhaustive horizons, over the root mean square of the shading: 0.01 is one per cent.
+/// It is measured at random posts; `error` is the upper end of its one-sided 95 % confidence
+/// interval. So of many terrains, at least 95 % keep what forMaxError was asked for (tests/scene/
+/// settings_choice_test.cpp holds it on terrain that the choice never saw).
+struct OSGTERRAINLIGHT_EXPORT SettingsChoice
+{
+    LightingSettings settings;
+    double error = 0.0;
+    /// GPU time of one lighting of the tile, median of 3.
+    double milliseconds = 0.0;
+    /// False: nothing reaches what was asked; the settings are the ones that come closest.
+    bool met = false;
+    /// Not empty: why nothing could be measured; the settings are then the defaults.
+    std::string failure;
 };
 
 /// One numeric parameter's name, unit and legal range: the table that parser, setters and
