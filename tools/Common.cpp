@@ -1,6 +1,7 @@
 #include "Common.h"
 
 #include "gpu/passes/HorizonPass.h"
+#include "scene/SettingsTrial.h"
 
 #include <cpl_conv.h>
 #include <cpl_string.h>
@@ -24,6 +25,7 @@ namespace
 
 // Where reading and computing end on the progress line.
 constexpr double readEnd = 0.1;
+constexpr double trialEnd = 0.4;
 constexpr double computeEnd = 0.8;
 
 constexpr int signals[] = {SIGINT, SIGTERM};
@@ -71,14 +73,46 @@ CLI::Option* addCheckedNumbers(CLI::App& app, const std::string& option,
     return app.add_option_function<std::string>(option, read, help)->type_name(typeName);
 }
 
+/// Where a budget is given: chooses lit.settings by measurement. An error where none meets it.
+Status choose(LitTile& lit, const RasterOptions& options, const SkyLight& sky,
+              SkyViewDefinition definition, Progress& progress)
+{
+    if (!options.maxError && !options.maxMilliseconds)
+        return Nothing{};
+    osg::State& state = lit.gpu.state();
+    Result<SettingsTrial> trial =
+        SettingsTrial::create(state, lit.dem.tile, sky, definition,
+                              [&progress](double fraction)
+                              { progress.reach(readEnd + (trialEnd - readEnd) * fraction); });
+    if (!trial)
+        return trial.error();
+    const Result<SettingsChoice> choice =
+        options.maxError ? trial->forMaxError(state, options.settings, *options.maxError)
+                         : trial->forFrameTime(state, options.settings, *options.maxMilliseconds);
+    if (!choice)
+        return choice.error();
+    if (!choice->met && options.maxError)
+        return Error{
+            ErrorCode::NotSupported,
+            "--max-error " + text(*options.maxError) +
+                CPLSPrintf(": the most exact settings reach %.3g on this terrain", choice->error)};
+    if (!choice->met)
+        return Error{ErrorCode::NotSupported,
+                     "--max-ms " + text(*options.maxMilliseconds) +
+                         CPLSPrintf(": the fastest settings need %.3g ms for this raster",
+                                    choice->milliseconds)};
+    lit.choice = *choice;
+    lit.settings = choice->settings;
+    return Nothing{};
+}
+
 /// Computes the light of lit.dem: what is not shared by all azimuths first, so that progress shows.
-Status compute(LitTile& lit, const RasterOptions& options, const SkyLight& sky,
-               SkyViewDefinition definition, Progress& progress)
+Status compute(LitTile& lit, const SkyLight& sky, SkyViewDefinition definition, Progress& progress)
 {
     const auto start = std::chrono::steady_clock::now();
     SkyLight first = sky;
     first.sunEnabled = sky.sunEnabled && !sky.skyEnabled;
-    lit.lighting = new TileLighting(lit.dem.tile, options.settings, first, definition);
+    lit.lighting = new TileLighting(lit.dem.tile, lit.settings, first, definition);
     for (const SkyLight& light : {first, sky})
     {
         lit.lighting->setSky(light);
@@ -86,13 +120,13 @@ Status compute(LitTile& lit, const RasterOptions& options, const SkyLight& sky,
             return done;
         if (Status done = lit.gpu.finish(); !done)
             return done;
-        progress.reach(0.5 * (readEnd + computeEnd));
+        progress.reach(0.5 * ((lit.choice ? trialEnd : readEnd) + computeEnd));
     }
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     lit.seconds = took.count();
     for (const StageCost& cost : lit.lighting->costs())
         if (cost.dispatches > 0)
-            lit.azimuths += cost.name == "horizon" ? options.settings.azimuths
+            lit.azimuths += cost.name == "horizon" ? lit.settings.azimuths
                             : cost.name == "sun"   ? 1
                                                    : 0;
     progress.reach(computeEnd);
@@ -102,6 +136,13 @@ Status compute(LitTile& lit, const RasterOptions& options, const SkyLight& sky,
 void summarise(const std::string& mode, const LitTile& lit)
 {
     const double posts = static_cast<double>(lit.dem.tile.postCount());
+    if (lit.choice)
+        std::cout << mode << ": chosen: quality " << toString(lit.settings.quality)
+                  << (lit.azimuths > 1 ? ", " + std::to_string(lit.settings.azimuths) + " azimuths"
+                                       : "")
+                  << CPLSPrintf("; measured error at most %.2g, %.3g ms", lit.choice->error,
+                                lit.choice->milliseconds)
+                  << "\n";
     std::cout << mode << ": " << lit.dem.tile.postCount() << " posts, ";
     if (lit.azimuths > 0)
         std::cout << lit.azimuths << (lit.azimuths == 1 ? " azimuth, " : " azimuths, ")
@@ -343,6 +384,24 @@ void addRasterOptions(CLI::App& app, RasterOptions& options, bool azimuths)
     addOutputOptions(app, options.output);
 }
 
+void addBudget(CLI::App& app, RasterOptions& options)
+{
+    std::vector<CLI::Option*> budgets = {
+        addNumbers(app, "--max-error", "E", {"max-error"},
+                   "Instead of azimuths and quality: the cheapest settings whose error is measured "
+                   "to be at most E on this terrain, relative root mean square, 0.00001 ... 1",
+                   [&options](const auto& v) { options.maxError = v[0]; }),
+        addNumbers(app, "--max-ms", "MS", {"max-ms"},
+                   "Instead of azimuths and quality: the most exact settings that take at most MS "
+                   "milliseconds of GPU time",
+                   [&options](const auto& v) { options.maxMilliseconds = v[0]; })};
+    budgets[0]->excludes(budgets[1]);
+    for (const char* setting : {"--azimuths", "--quality"})
+        if (CLI::Option* option = app.get_option_no_throw(setting))
+            for (CLI::Option* budget : budgets)
+                budget->excludes(option);
+}
+
 Progress::~Progress()
 {
     if (!_quiet && _reached >= 0.0 && _reached < 1.0)
@@ -434,14 +493,16 @@ void addSun(Metadata& metadata, const SkyLight& sky)
     add(metadata, "SUN_RADIUS", text(sky.sunAngularRadius));
 }
 
-Metadata describe(const std::string& mode, const LightingSettings& settings, bool azimuths)
+Metadata describe(const std::string& mode, const LitTile& lit, bool azimuths)
 {
     Metadata metadata = {{"TIFFTAG_SOFTWARE", "osgTerrainLight " OSGTERRAINLIGHT_VERSION}};
     add(metadata, "VERSION", OSGTERRAINLIGHT_VERSION);
     add(metadata, "MODE", mode);
     if (azimuths)
-        add(metadata, "AZIMUTHS", std::to_string(settings.azimuths));
-    add(metadata, "QUALITY", toString(settings.quality));
+        add(metadata, "AZIMUTHS", std::to_string(lit.settings.azimuths));
+    add(metadata, "QUALITY", toString(lit.settings.quality));
+    if (lit.choice)
+        add(metadata, "ERROR_BOUND", text(lit.choice->error));
     return metadata;
 }
 
@@ -489,7 +550,10 @@ Status process(const std::string& mode, const RasterOptions& options, const SkyL
     if (!dem)
         return dem.error();
     lit.dem = std::move(*dem);
-    if (Status computed = compute(lit, options, sky, definition, progress); !computed)
+    lit.settings = options.settings;
+    if (Status chosen = choose(lit, options, sky, definition, progress); !chosen)
+        return Error{chosen.error().code, path + ": " + chosen.error().message};
+    if (Status computed = compute(lit, sky, definition, progress); !computed)
         return Error{computed.error().code, path + ": " + computed.error().message};
     if (Status written = write(lit, progress); !written)
         return written;

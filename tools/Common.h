@@ -16,6 +16,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,6 +40,7 @@ Mode addShade(CLI::App& tool);
 Mode addRender(CLI::App& tool);
 Mode addInfo(CLI::App& tool);
 Mode addGenerate(CLI::App& tool);
+Mode addBench(CLI::App& tool);
 
 using Metadata = std::vector<std::pair<std::string, std::string>>;
 
@@ -107,10 +109,13 @@ struct RasterOptions
     std::string input;
     DemReadOptions read;
     LightingSettings settings;
+    std::optional<double> maxError, maxMilliseconds; ///< one of them: settings are chosen by it
     OutputOptions output;
 };
 /// azimuths: false where the mode computes none but the sun's.
 void addRasterOptions(CLI::App& app, RasterOptions& options, bool azimuths = true);
+/// --max-error and --max-ms, instead of the settings.
+void addBudget(CLI::App& app, RasterOptions& options);
 
 /// GDAL's progress line, 0 … 1; never runs backwards. Ends an unfinished line when it goes.
 class Progress
@@ -162,12 +167,14 @@ struct LitTile
     DemFile dem;
     Gpu gpu;
     osg::ref_ptr<TileLighting> lighting;
-    int azimuths = 0; ///< horizons computed per post, the sun's included
+    LightingSettings settings;
+    std::optional<SettingsChoice> choice; ///< where a budget made it
+    int azimuths = 0;                     ///< horizons computed per post, the sun's included
     double seconds = 0.0;
 };
 
-/// Software, version, mode and settings.
-Metadata describe(const std::string& mode, const LightingSettings& settings, bool azimuths);
+/// Software, version, mode, settings and, where a budget chose them, their measured error.
+Metadata describe(const std::string& mode, const LitTile& lit, bool azimuths);
 void add(Metadata& metadata, const std::string& name, const std::string& value);
 void addSun(Metadata& metadata, const SkyLight& sky);
 

@@ -33,8 +33,8 @@ Status run(const RasterOptions& options)
     const auto write = [&](LitTile& lit, Progress& progress)
     {
         const HorizonMap map = lit.lighting->readHorizons(lit.gpu.state());
-        return writeBands(options.output, lit.dem.frame, labels,
-                          describe("horizon", options.settings, true), progress,
+        return writeBands(options.output, lit.dem.frame, labels, describe("horizon", lit, true),
+                          progress,
                           [&](int band) { return bandOf(map, azimuths.indexOfBand(band - 1)); });
     };
     return process("horizon", options, sky, SkyViewDefinition::Surface, azimuths.count(), write);

@@ -104,9 +104,9 @@ Status writePicture(const Options& options, const Metadata& metadata, const LitT
                      writeOptions(options.output, metadata));
 }
 
-Status run(const Options& options)
+Metadata metadataOf(const Options& options, const LitTile& lit)
 {
-    Metadata metadata = describe("shade", options.settings, options.sky.skyEnabled);
+    Metadata metadata = describe("shade", lit, options.sky.skyEnabled);
     add(metadata, "SKY", options.sky.skyEnabled ? "uniform" : "none");
     if (options.sky.skyEnabled)
         add(metadata, "SKY_RADIANCE", text(options.sky.skyRadiance));
@@ -118,10 +118,15 @@ Status run(const Options& options)
     }
     if (isPicture(options.output))
         add(metadata, "EXPOSURE", text(options.settings.exposure));
+    return metadata;
+}
 
+Status run(const Options& options)
+{
     const auto write = [&](LitTile& lit, Progress& progress)
     {
         const Raster<osg::Vec4f> shading = lit.lighting->readShading(lit.gpu.state());
+        const Metadata metadata = metadataOf(options, lit);
         if (isExr(options.output))
             return writeExrFile(options, metadata, lit, shading);
         if (isPicture(options.output))
@@ -150,6 +155,7 @@ Mode addShade(CLI::App& tool)
                 "-co COMPRESS=DEFLATE");
     const auto options = std::make_shared<Options>();
     addRasterOptions(*app, *options);
+    addBudget(*app, *options);
     addSun(*app, options->sky);
     addSunRadius(*app, options->sky);
     app->add_flag_function(

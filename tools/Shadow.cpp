@@ -14,8 +14,6 @@ struct Options : RasterOptions
 
 Status run(const Options& options)
 {
-    Metadata metadata = describe("shadow", options.settings, false);
-    addSun(metadata, options.sky);
     const BandLabel label = {"visible fraction of the sun at azimuth " +
                                  text(options.sky.sunAzimuth) + ", elevation " +
                                  text(options.sky.sunElevation) + " degrees",
@@ -32,6 +30,8 @@ Status run(const Options& options)
     };
     const auto write = [&](LitTile& lit, Progress& progress)
     {
+        Metadata metadata = describe("shadow", lit, false);
+        addSun(metadata, options.sky);
         return writeBands(options.output, lit.dem.frame, {label}, metadata, progress,
                           [&](int) { return values(lit); });
     };
@@ -50,6 +50,7 @@ Mode addShadow(CLI::App& tool)
     const auto options = std::make_shared<Options>();
     options->sky.skyEnabled = false;
     addRasterOptions(*app, *options, false);
+    addBudget(*app, *options);
     addSun(*app, options->sky);
     addSunRadius(*app, options->sky);
     return {app, [options] { return run(*options); }};

@@ -21,10 +21,10 @@ Status run(const Options& options)
 {
     SkyLight sky;
     sky.sunEnabled = false;
-    Metadata metadata = describe("svf", options.settings, true);
-    add(metadata, "DEFINITION", options.definition);
     const auto write = [&](LitTile& lit, Progress& progress)
     {
+        Metadata metadata = describe("svf", lit, true);
+        add(metadata, "DEFINITION", options.definition);
         return writeBands(
             options.output, lit.dem.frame, {{"sky-view factor (" + options.definition + ")", ""}},
             metadata, progress, [&](int) { return lit.lighting->readSkyView(lit.gpu.state()); });
@@ -45,6 +45,7 @@ Mode addSvf(CLI::App& tool)
                 "  terrainlight svf dem.tif svf.tif -of COG -co COMPRESS=DEFLATE -q");
     const auto options = std::make_shared<Options>();
     addRasterOptions(*app, *options);
+    addBudget(*app, *options);
     app->add_option("--definition", options->definition,
                     "surface (cosine to the surface normal: what lights the terrain), horizontal "
                     "(cosine to the zenith) or solid-angle (part of the hemisphere); default "

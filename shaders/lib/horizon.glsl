@@ -163,6 +163,59 @@ NearSlopes nearHorizon(sampler2D heights, NearRays rays, int reach, int insideRe
     return found;
 }
 
+// Horizon slope [m per step] of one receiver over `steps` steps of its ray, exact for the bilinear
+// surface: every column and row crossing, and the maximum within each cell. major, minor, tangent: as
+// in NearRays. The texture's frame must reach past the last step.
+Slope horizonAlongRay(sampler2D heights, ivec2 receiver, ivec2 major, ivec2 minor, real tangent,
+                      int steps)
+{
+    Length here = postHeight(heights, receiver);
+    Slope best = NO_HORIZON;
+    Slope last = NO_HORIZON;
+    int base = 0;
+    for (int column = 1; column <= steps; ++column)
+    {
+        real lastDistance = real(column - 1);
+        real distance = real(column);
+        real offset = tangent * distance;
+        int whole = int(floor(offset));
+        bool crossesRow = whole > base;
+        ivec2 corner = receiver + major * (column - 1) + minor * base;
+        Length before0 = postHeight(heights, corner);
+        Length before1 = postHeight(heights, corner + minor);
+        Length before2 = postHeight(heights, corner + minor * 2);
+        Length ahead0 = postHeight(heights, corner + major);
+        Length ahead1 = postHeight(heights, corner + major + minor);
+        Length ahead2 = postHeight(heights, corner + major + minor * 2);
+
+        real weight = offset - real(whole);
+        Length crossing = crossesRow ? crossingHeight(ahead1, ahead2, weight)
+                                     : crossingHeight(ahead0, ahead1, weight);
+        Slope slope = (crossing - here) / distance;
+        real rowDistance = crossesRow ? real(whole) / tangent : distance;
+        Length rowCrossing = crossingHeight(before1, ahead1, rowDistance - lastDistance);
+        Slope atRow = crossesRow ? (rowCrossing - here) / rowDistance : slope;
+        best = max(best, max(slope, atRow));
+
+        // Inside the cell before the row; the receiver's own cell has no pole, only a tangent.
+        Length twist = before0 - ahead0 - before1 + ahead1;
+        bool whole1 = abs(twist) < -VOID_LIMIT;
+        Slope own = ahead0 - here + tangent * (before1 - here);
+        best = column == 1 && whole1 ? max(best, own) : best;
+        if (column > 1 && whole1 && rowDistance - lastDistance > real(1.0e-3))
+            best = max(best, insideMaximum(intervalBetween(lastDistance, rowDistance), last, atRow,
+                                           tangent * twist));
+        // And in the one after it.
+        twist = before1 - ahead1 - before2 + ahead2;
+        if (crossesRow && abs(twist) < -VOID_LIMIT && distance - rowDistance > real(1.0e-3))
+            best = max(best, insideMaximum(intervalBetween(rowDistance, distance), atRow, slope,
+                                           tangent * twist));
+        last = slope;
+        base = whole;
+    }
+    return best;
+}
+
 // Hull of a sweep (Timonen and Westerholm 2010, section 5): vertices are (height [m], position
 // [steps]). True where, seen from `eye`, `farther` stands at least as high as `nearer`: compared by
 // cross-multiplication, no division. Equal slopes count, which keeps the hull small on planes.

@@ -25,6 +25,7 @@ struct Variant
 /// Every combination of defines in use. One that is not listed does not exist.
 const std::vector<Variant> variants = {
     {"horizon_near", {}},
+    {"horizon_scan", {}},
     // The nearest line; one line per post (Draft, Normal), or more.
     {"horizon_sweep", {"HULL_SIZE 64", "ASKED 1", "PARITY 0"}},
     {"horizon_sweep", {"HULL_SIZE 64", "ASKED 1", "PARITY 0", "DENSE"}},

@@ -75,7 +75,7 @@ struct OSGTERRAINLIGHT_EXPORT ParameterRange
     std::string meaning;
 
     /// Names accepted: azimuths, exposure, sun-azimuth, sun-elevation, sun-radius, sun-irradiance,
-    /// sky-radiance. Null where there is no such parameter.
+    /// max-error, max-ms, sky-radiance. Null where there is no such parameter.
     static const ParameterRange* find(const std::string& name);
     static const std::vector<ParameterRange>& all();
 

@@ -41,6 +41,8 @@ const std::vector<ParameterRange>& ParameterRange::all()
         {"sun-elevation", "degrees", -90, 90, "above the horizontal"},
         {"sun-radius", "degrees", 0.01, 10, "angular radius of the sun's disc"},
         {"sun-irradiance", "", 0, 1e6, "on a surface that faces the sun, per channel"},
+        {"max-error", "", 1e-5, 1, "greatest relative error of the shading, root mean square"},
+        {"max-ms", "ms", 0.01, 1e6, "longest time for the light of the whole tile"},
         {"sky-radiance", "", 0, 1e6, "of the uniform sky, per channel"},
     };
     return table;

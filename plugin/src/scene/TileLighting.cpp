@@ -100,9 +100,9 @@ void TileLighting::createHeights()
     }
 }
 
-bool TileLighting::sunNeeded() const
+bool TileLighting::needsSun(const SkyLight& sky)
 {
-    return _sky.sunEnabled && _sky.sunElevation + _sky.sunAngularRadius > 0.0;
+    return sky.sunEnabled && sky.sunElevation + sky.sunAngularRadius > 0.0;
 }
 
 void TileLighting::setSettings(const LightingSettings& settings)

@@ -41,6 +41,9 @@ public:
     TileLighting(const DemTile& tile, const LightingSettings& settings, const SkyLight& sky,
                  SkyViewDefinition definition = SkyViewDefinition::Surface);
 
+    /// Whether a light has a sun stage: a sun that is on and not wholly below the horizontal.
+    static bool needsSun(const SkyLight& sky);
+
     int width() const { return _tile.width(); }
     int height() const { return _tile.height(); }
     const DemTile& tile() const { return _tile; }
@@ -81,7 +84,7 @@ private:
     ~TileLighting() override = default;
 
     bool skyNeeded() const { return _sky.skyEnabled; }
-    bool sunNeeded() const;
+    bool sunNeeded() const { return needsSun(_sky); }
     void createHeights();
     Status runHorizon(osg::State& state);
     Status runSky(osg::State& state);

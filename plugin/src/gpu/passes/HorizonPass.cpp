@@ -2,6 +2,7 @@
 
 #include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
+#include "gpu/passes/GridDirection.h"
 
 #include <algorithm>
 #include <cassert>
@@ -79,29 +80,23 @@ void HorizonPass::setDirections(const std::vector<MapDirection>& directions)
         new osg::Uniform(osg::Uniform::FLOAT_VEC4, "directions", 256);
     for (std::size_t i = 0; i < directions.size(); ++i)
     {
-        // The direction in posts per metre; the axis it crosses faster is the major one.
-        const double x = directions[i].east / _nominalEastSpacing;
-        const double y = directions[i].north / _northSpacing;
-        const bool north = std::abs(y) > std::abs(x);
-        const double drift = north ? x / y : y / x;
-        const double look = (north ? y : x) < 0.0 ? -1.0 : 1.0;
-        const osg::Vec4f row(static_cast<float>(drift), static_cast<float>(look),
-                             north ? 1.0f : 0.0f, static_cast<float>(i));
+        const GridDirection grid(_nominalEastSpacing, _northSpacing, directions[i]);
+        const osg::Vec4f row(static_cast<float>(grid.drift), static_cast<float>(grid.look),
+                             grid.north ? 1.0f : 0.0f, static_cast<float>(i));
         _directions.push_back(row);
         table->setElement(static_cast<unsigned>(i), row);
 
-        const int steps = north ? _height : _width;
-        const int breadth = north ? _width : _height;
-        _maxLines = std::max(_maxLines, 2 + static_cast<int>(_scheme.linesPerPost *
-                                                             (breadth + std::abs(drift) * steps)));
+        const int steps = grid.north ? _height : _width;
+        const int breadth = grid.north ? _width : _height;
+        const double lines = _scheme.linesPerPost * (breadth + std::abs(grid.drift) * steps);
+        _maxLines = std::max(_maxLines, 2 + static_cast<int>(lines));
         for (int row_ = 0; row_ < _height; ++row_)
         {
             const double east = _eastSpacings.size() == 1
                                     ? _eastSpacings.front()
                                     : _eastSpacings[static_cast<std::size_t>(row_)];
-            const double length = north ? std::hypot(drift * east, _northSpacing)
-                                        : std::hypot(east, drift * _northSpacing);
-            lengths.at(static_cast<int>(i), row_) = static_cast<float>(length);
+            lengths.at(static_cast<int>(i), row_) =
+                static_cast<float>(grid.stepLength(east, _northSpacing));
         }
     }
     _stepLengths = createFloatTexture(lengths);
