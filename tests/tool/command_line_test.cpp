@@ -9,7 +9,8 @@ using namespace osgTerrainLight::testing;
 namespace
 {
 
-const char* const modes[] = {"horizon", "svf", "shadow", "shade", "render", "info", "generate"};
+const char* const modes[] = {"horizon", "svf",  "shadow",   "shade",
+                             "render",  "info", "generate", "bench"};
 
 using CommandLine = ToolTest;
 

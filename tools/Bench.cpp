@@ -1,0 +1,444 @@
+#include "BenchReport.h"
+
+#include "core/SyntheticTerrain.h"
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <cpl_multiproc.h>
+#include <cpl_string.h>
+#include <cpl_vsi.h>
+#include <osg/GLObjects>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <ctime>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <system_error>
+
+namespace osgTerrainLight::tool
+{
+namespace
+{
+
+using namespace bench;
+
+/// Settings that are measured under a name, at each number of azimuths.
+struct Method
+{
+    std::string name;
+    std::string meaning;
+    void (*apply)(LightingSettings&);
+};
+
+/// A new method is a line here.
+const std::vector<Method> methods = {
+    {"sweep-draft", "--quality draft",
+     [](LightingSettings& s) { s.quality = HorizonQuality::Draft; }},
+    {"sweep-normal", "--quality normal",
+     [](LightingSettings& s) { s.quality = HorizonQuality::Normal; }},
+    {"sweep-best", "--quality best", [](LightingSettings& s) { s.quality = HorizonQuality::Best; }},
+};
+
+struct Options
+{
+    std::string input;
+    DemReadOptions read;
+    std::string generated; ///< name of a kind; empty: input
+    std::uint32_t terrainSeed = 1;
+    int width = 1024, height = 1024;
+    double spacing = 30.0;
+    std::vector<const Method*> methods;
+    std::vector<int> azimuths = {8, 16, 32, 64};
+    SkyLight sky;
+    std::size_t posts = 4000;
+    std::uint32_t seed = 1;
+    int repeats = 5;
+    std::string csv, json, plot;
+    bool quiet = false;
+};
+
+// Where the reading, and the search for the truth, end on the progress line.
+constexpr double readEnd = 0.05;
+constexpr double truthEnd = 0.3;
+
+std::string now()
+{
+    const std::time_t time = std::time(nullptr);
+    char buffer[32];
+    std::strftime(buffer, sizeof(buffer), "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&time));
+    return buffer;
+}
+
+double median(std::vector<double> values)
+{
+    std::sort(values.begin(), values.end());
+    const std::size_t middle = values.size() / 2;
+    return values.size() % 2 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+std::filesystem::path placeOf(const std::string& path)
+{
+    std::error_code ignored;
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path, ignored), ignored);
+}
+
+/// Finds out before the work which files cannot be written, or are asked for twice.
+Status checkOutputs(const Options& options)
+{
+    namespace fs = std::filesystem;
+    std::vector<std::pair<std::string, std::string>> used;
+    if (!options.input.empty())
+        used.emplace_back("INPUT", options.input);
+    for (const auto& [option, path] : {std::pair<std::string, std::string>{"--csv", options.csv},
+                                       {"--json", options.json},
+                                       {"--plot", options.plot}})
+    {
+        if (path.empty())
+            continue;
+        std::error_code ignored;
+        for (const auto& [otherOption, other] : used)
+            // The one sees links, the other files that do not exist yet.
+            if (fs::equivalent(path, other, ignored) || placeOf(path) == placeOf(other))
+                throw CLI::ValidationError(option, path + " is the file of " + otherOption +
+                                                       ": needs another name");
+        used.emplace_back(option, path);
+        // The format matters not: what is found out is whether a file can be made there.
+        OutputOptions output;
+        output.path = path;
+        output.format = "GTiff";
+        if (Status writable = checkOutput(output, 0); !writable)
+            return writable;
+    }
+    return options.plot.empty() ? Status(Nothing{}) : checkPlotter();
+}
+
+/// The file appears under its name when it is complete.
+Status writeText(const std::string& path, const std::string& content)
+{
+    const DeferredSignals deferred;
+    const std::string partial = CPLFormFilename(
+        CPLGetPath(path.c_str()),
+        CPLSPrintf(".%s.partial-%d", CPLGetFilename(path.c_str()), int(CPLGetCurrentProcessID())),
+        nullptr);
+    const CPLErrorHandlerPusher quiet(CPLQuietErrorHandler);
+    VSILFILE* file = VSIFOpenL(partial.c_str(), "wb");
+    bool written = file && VSIFWriteL(content.data(), 1, content.size(), file) == content.size();
+    written = file && VSIFCloseL(file) == 0 && written;
+    if (written && VSIRename(partial.c_str(), path.c_str()) == 0)
+        return Nothing{};
+    const std::string reason = std::generic_category().message(errno);
+    VSIUnlink(partial.c_str());
+    return Error{ErrorCode::Failed, path + ": cannot be written: " + reason};
+}
+
+Result<DemTile> readTerrain(const Options& options, Report& report, Progress& progress)
+{
+    if (!options.generated.empty())
+    {
+        TerrainKind kind = TerrainKind::Fractal;
+        fromString(options.generated, kind);
+        report.terrain =
+            "generated " + options.generated + ", seed " + std::to_string(options.terrainSeed);
+        return generateTerrain(kind, options.width, options.height, options.spacing,
+                               options.terrainSeed);
+    }
+    const Result<DemInfo> info = describeDem(options.input, options.read);
+    if (!info)
+        return info.error();
+    for (const std::string& note : info->notes)
+        warn(options.input + ": " + note);
+    progress.reach(0.0);
+    DemReadOptions read = options.read;
+    read.progress = [&progress](double fraction)
+    {
+        progress.reach(readEnd * fraction);
+        return true;
+    };
+    report.terrain = CPLGetFilename(options.input.c_str());
+    Result<DemFile> dem = readDem(options.input, read);
+    if (!dem)
+        return dem.error();
+    return std::move(dem->tile);
+}
+
+/// Runs settings on the GPU: a warm-up, then the repeats. repeated: after each run.
+Status measure(const Gpu& gpu, const DemTile& tile, const Truth& truth, const SkyLight& sky,
+               int repeats, Row& row, std::vector<std::string>& stages,
+               const std::function<void()>& repeated)
+{
+    if (Status fits = checkFits(gpu, tile.width(), tile.height(), row.settings); !fits)
+    {
+        row.skipped = fits.error().message;
+        return Nothing{};
+    }
+    const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, row.settings, sky);
+    lighting->setTimed(true);
+    std::vector<std::vector<double>> byStage;
+    std::vector<double> all, wall;
+    for (int run = 0; run <= repeats && row.skipped.empty(); ++run)
+    {
+        lighting->touch();
+        const auto start = std::chrono::steady_clock::now();
+        if (Status done = lighting->update(gpu.state()); !done)
+            return done;
+        if (Status done = gpu.finish(); !done)
+            row.skipped = done.error().message;
+        const std::chrono::duration<double, std::milli> took =
+            std::chrono::steady_clock::now() - start;
+        repeated();
+        if (run == 0)
+            continue;
+        const std::vector<StageCost> costs = lighting->costs();
+        byStage.resize(costs.size());
+        stages.clear();
+        all.push_back(0.0);
+        wall.push_back(took.count());
+        for (std::size_t i = 0; i < costs.size(); ++i)
+        {
+            stages.push_back(costs[i].name);
+            byStage[i].push_back(costs[i].gpuMilliseconds);
+            all.back() += costs[i].gpuMilliseconds;
+        }
+    }
+    if (row.skipped.empty())
+    {
+        for (const std::vector<double>& milliseconds : byStage)
+            row.stageMilliseconds.push_back(median(milliseconds));
+        row.gpuMilliseconds = median(all);
+        row.wallMilliseconds = median(wall);
+        row.bytes = lighting->bytes();
+        const Found found = {lighting->readHorizons(gpu.state()),
+                             lighting->readSkyView(gpu.state()),
+                             lighting->readShading(gpu.state())};
+        for (const Quantity& quantity : quantities())
+            row.errors.push_back(statisticsOf(quantity.compare(truth, found)));
+    }
+    lighting->releaseGLObjects(&gpu.state());
+    osg::flushAllDeletedGLObjects(gpu.state().getContextID());
+    return Nothing{};
+}
+
+Status run(const Options& options)
+{
+    if (options.input.empty() && options.generated.empty())
+        throw CLI::ValidationError("INPUT", "needed: a DEM, or --generate KIND");
+    if (!options.plot.empty() && !EQUAL(CPLGetExtension(options.plot.c_str()), "svg"))
+        throw CLI::ValidationError("--plot", options.plot + ": needs a name that ends in .svg");
+    if (Status writable = checkOutputs(options); !writable)
+        return writable;
+    Result<Gpu> gpu = openGpu();
+    if (!gpu)
+        return gpu.error();
+
+    Report report;
+    report.date = now();
+    report.device = gpu->capabilities;
+    report.sky = options.sky;
+    report.seed = options.seed;
+    report.repeats = options.repeats;
+    Progress progress(options.quiet);
+    const Result<DemTile> tile = readTerrain(options, report, progress);
+    if (!tile)
+        return tile.error();
+    progress.reach(readEnd);
+    report.width = tile->width();
+    report.height = tile->height();
+    report.validPosts = tile->validCount();
+    report.eastSpacing = tile->nominalEastSpacing();
+    report.northSpacing = tile->northSpacing;
+
+    const Truth truth = findTruth(*tile, options.sky, options.azimuths, options.posts, options.seed,
+                                  [&](double fraction)
+                                  { progress.reach(readEnd + (truthEnd - readEnd) * fraction); });
+    report.skyPosts = truth.skyPosts;
+    report.sunPosts = truth.posts.size();
+
+    // Time goes mostly with azimuths, the sun's included.
+    double expected = 0.0;
+    for (const int azimuths : options.azimuths)
+        expected +=
+            static_cast<double>(options.methods.size()) * (azimuths + 1) * (options.repeats + 1);
+    double spent = 0.0;
+    for (const Method* method : options.methods)
+        for (const int azimuths : options.azimuths)
+        {
+            Row row;
+            row.method = method->name;
+            row.settings.azimuths = azimuths;
+            method->apply(row.settings);
+            const auto repeated = [&]
+            {
+                spent += azimuths + 1;
+                progress.reach(truthEnd + (1.0 - truthEnd) * spent / expected);
+            };
+            if (Status done = measure(*gpu, *tile, truth, options.sky, options.repeats, row,
+                                      report.stages, repeated);
+                !done)
+                return done;
+            report.rows.push_back(std::move(row));
+        }
+    progress.reach(1.0);
+    if (std::none_of(report.rows.begin(), report.rows.end(),
+                     [](const Row& row) { return row.skipped.empty(); }))
+        return Error{ErrorCode::NotSupported,
+                     report.terrain + ": nothing fits: " + report.rows.front().skipped};
+    markFronts(report);
+
+    std::cout << (options.quiet ? "" : "\n") << tableOf(report) << std::flush;
+    // All contents before the first file, so that a failure to draw leaves none.
+    std::vector<std::pair<std::string, std::string>> files;
+    if (!options.csv.empty())
+        files.emplace_back(options.csv, csvOf(report));
+    if (!options.json.empty())
+        files.emplace_back(options.json, jsonOf(report));
+    if (!options.plot.empty())
+    {
+        Result<std::string> svg = svgOf(report);
+        if (!svg)
+            return Error{svg.error().code, options.plot + ": " + svg.error().message};
+        files.emplace_back(options.plot, *svg);
+    }
+    for (const auto& [path, content] : files)
+        if (Status written = writeText(path, content); !written)
+            return written;
+    return Nothing{};
+}
+
+std::string listOfMethods()
+{
+    std::string list;
+    for (const Method& method : methods)
+        list += (list.empty() ? "" : ", ") + method.name + " (" + method.meaning + ")";
+    return list;
+}
+
+void addMethods(CLI::App& app, std::vector<const Method*>& chosen)
+{
+    for (const Method& method : methods)
+        chosen.push_back(&method);
+    const auto read = [&chosen](const std::string& given)
+    {
+        chosen.clear();
+        for (const std::string& name : CLI::detail::split(given, ','))
+        {
+            const auto found = std::find_if(methods.begin(), methods.end(),
+                                            [&](const Method& m) { return m.name == name; });
+            if (found == methods.end())
+                throw CLI::ValidationError("--methods",
+                                           "'" + name + "' is no method: needs " + listOfMethods());
+            if (std::find(chosen.begin(), chosen.end(), &*found) == chosen.end())
+                chosen.push_back(&*found);
+        }
+    };
+    app.add_option_function<std::string>(
+           "--methods", read, "Methods, separated by commas; default all: " + listOfMethods())
+        ->type_name("LIST");
+}
+
+void addAzimuthList(CLI::App& app, std::vector<int>& azimuths)
+{
+    const auto read = [&azimuths](const std::string& given)
+    {
+        azimuths.clear();
+        for (const std::string& part : CLI::detail::split(given, ','))
+        {
+            double value = 0.0;
+            if (!CLI::detail::lexical_cast(part, value))
+                throw CLI::ValidationError("--azimuths", "'" + given + "': needs numbers, LIST");
+            if (const std::string wrong = ParameterRange::find("azimuths")->complaint(value);
+                !wrong.empty())
+                throw CLI::ValidationError("--azimuths", wrong);
+            azimuths.push_back(static_cast<int>(value));
+        }
+        std::sort(azimuths.begin(), azimuths.end());
+        azimuths.erase(std::unique(azimuths.begin(), azimuths.end()), azimuths.end());
+    };
+    app.add_option_function<std::string>(
+           "--azimuths", read,
+           "Numbers of azimuths, each a multiple of 4, 4 ... 256; default 8,16,32,64")
+        ->type_name("LIST");
+}
+
+CLI::Option* addGenerate(CLI::App& app, Options& options)
+{
+    const auto read = [&options](const std::string& given)
+    {
+        const std::vector<std::string> parts = CLI::detail::split(given, ',');
+        TerrainKind kind = TerrainKind::Fractal;
+        double seed = 1.0;
+        if (parts.size() > 2 || !fromString(parts[0], kind) ||
+            (parts.size() == 2 && !CLI::detail::lexical_cast(parts[1], seed)))
+            throw CLI::ValidationError("--generate", "'" + given +
+                                                         "': needs fractal, crater, cliffs or "
+                                                         "spikes, and a seed where wanted");
+        if (const std::string wrong = Limits{"seed", 0.0, 4294967295.0, true}.complaint(seed);
+            !wrong.empty())
+            throw CLI::ValidationError("--generate", wrong);
+        options.generated = parts[0];
+        options.terrainSeed = static_cast<std::uint32_t>(seed);
+    };
+    return app
+        .add_option_function<std::string>(
+            "--generate", read, "Measures a generated terrain: fractal, crater, cliffs or spikes")
+        ->type_name("KIND[,SEED]");
+}
+
+} // namespace
+
+Mode addBench(CLI::App& tool)
+{
+    CLI::App* app = tool.add_subcommand(
+        "bench",
+        "Speed against error: what each method and number of azimuths costs here, and how wrong it "
+        "is on this terrain. As a table; as CSV, JSON and a picture where asked for. Rows marked * "
+        "are the Pareto front of GPU time against an error: no other row is at least as good in "
+        "both and better in one; that of the shading's luminance is the one for all light "
+        "together");
+    app->footer("Examples:\n"
+                "  terrainlight bench dem.tif\n"
+                "  terrainlight bench dem.tif --azimuths 16,32 --csv bench.csv --plot bench.svg\n"
+                "  terrainlight bench --generate cliffs,7 --size 512 --sun 90,10");
+    const auto options = std::make_shared<Options>();
+    CLI::Option* input =
+        app->add_option("INPUT", options->input, "DEM: any raster that GDAL reads")->type_name("");
+    addReadOptions(*app, options->read);
+    CLI::Option* generate = addGenerate(*app, *options)->excludes(input);
+    addSize(*app, options->width, options->height,
+            "Posts of the generated terrain; one number: a square; default 1024");
+    CLI::Option* spacing =
+        addLimitedNumbers(*app, "--spacing", "METRES", {{"spacing", 0.001, 10000.0, false}},
+                          "Distance between generated posts, 0.001 ... 10000; default 30",
+                          [options](const auto& v) { options->spacing = v[0]; });
+    for (CLI::Option* option : {app->get_option("--size"), spacing})
+        option->needs(generate);
+    for (const char* option : {"--srcwin", "--band", "--cell-size"})
+        app->get_option(option)->excludes(generate);
+    addMethods(*app, options->methods);
+    addAzimuthList(*app, options->azimuths);
+    addSun(*app, options->sky);
+    addSunRadius(*app, options->sky);
+    addLimitedNumbers(*app, "--posts", "N", {{"posts", 1.0, 1000000.0, true}},
+                      "Random posts at which the error is measured (the sun's at 10 N); default " +
+                          std::to_string(options->posts),
+                      [options](const auto& v)
+                      { options->posts = static_cast<std::size_t>(v[0]); });
+    addLimitedNumbers(
+        *app, "--seed", "N", {{"seed", 0.0, 4294967295.0, true}}, "Which random posts; default 1",
+        [options](const auto& v) { options->seed = static_cast<std::uint32_t>(v[0]); });
+    addLimitedNumbers(*app, "--repeats", "N", {{"repeats", 1.0, 1000.0, true}},
+                      "Runs after the warm-up; times are their medians; default 5",
+                      [options](const auto& v) { options->repeats = static_cast<int>(v[0]); });
+    app->add_option("--csv", options->csv, "Table to write, a line per row")->type_name("FILE");
+    app->add_option("--json", options->json, "The same with device, date and terrain")
+        ->type_name("FILE");
+    app->add_option("--plot", options->plot, "Picture to write; needs the program gnuplot")
+        ->type_name("FILE.svg");
+    app->add_flag("-q,--quiet", options->quiet, "No progress; the table stays");
+    addConfig(*app);
+    return {app, [options] { return run(*options); }};
+}
+
+} // namespace osgTerrainLight::tool

@@ -1,0 +1,285 @@
+#include "BenchReport.h"
+
+#include <cpl_json.h>
+#include <cpl_string.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <variant>
+
+namespace osgTerrainLight::tool::bench
+{
+namespace
+{
+
+/// Nothing where a row was skipped, or a number does not exist.
+using Value = std::variant<std::monostate, std::string, std::int64_t, double>;
+
+struct Cell
+{
+    std::string column;
+    Value value;
+};
+
+/// A row as CSV and JSON have it: always the same columns, which docs/TOOL.md lists.
+std::vector<Cell> cellsOf(const Report& report, const Row& row)
+{
+    const bool measured = row.skipped.empty();
+    std::vector<Cell> cells;
+    const auto add = [&](const std::string& column, Value value)
+    {
+        const double* number = std::get_if<double>(&value);
+        if (number && !std::isfinite(*number))
+            value = std::monostate();
+        cells.push_back({column, std::move(value)});
+    };
+    const auto addMeasured = [&](const std::string& column, auto value)
+    {
+        if (measured)
+            add(column, value());
+        else
+            add(column, {});
+    };
+
+    add("method", row.method);
+    add("azimuths", std::int64_t(row.settings.azimuths));
+    for (std::size_t i = 0; i < report.stages.size(); ++i)
+        addMeasured("gpu_" + report.stages[i] + "_ms", [&] { return row.stageMilliseconds[i]; });
+    addMeasured("gpu_ms", [&] { return row.gpuMilliseconds; });
+    addMeasured("wall_ms", [&] { return row.wallMilliseconds; });
+    addMeasured("memory_bytes", [&] { return static_cast<std::int64_t>(row.bytes); });
+    for (std::size_t q = 0; q < quantities().size(); ++q)
+    {
+        const Quantity& quantity = quantities()[q];
+        const std::pair<const char*, double ErrorStatistics::*> statistics[] = {
+            {"mean", &ErrorStatistics::mean},
+            {"rms", &ErrorStatistics::rms},
+            {"p99", &ErrorStatistics::p99},
+            {"max", &ErrorStatistics::max},
+            {"bias", &ErrorStatistics::bias}};
+        for (const auto& [name, member] : statistics)
+            addMeasured(quantity.name + "_" + name + "_" + quantity.unit,
+                        [&, m = member] { return row.errors[q].*m; });
+        addMeasured(quantity.name + "_relative_rms", [&] { return row.errors[q].relativeRms; });
+        addMeasured(quantity.name + "_front", [&] { return std::int64_t(row.onFront[q]); });
+    }
+    if (measured)
+        add("skipped", {});
+    else
+        add("skipped", row.skipped);
+    return cells;
+}
+
+/// Shortest text that reads back as the same double.
+std::string exact(double value)
+{
+    char buffer[32];
+    return {buffer, std::to_chars(buffer, buffer + sizeof(buffer), value).ptr};
+}
+
+std::string csvField(const Value& value)
+{
+    if (const double* number = std::get_if<double>(&value))
+        return exact(*number);
+    if (const std::int64_t* whole = std::get_if<std::int64_t>(&value))
+        return std::to_string(*whole);
+    const std::string* text = std::get_if<std::string>(&value);
+    if (!text)
+        return {};
+    if (text->find_first_of(",\"\n") == std::string::npos)
+        return *text;
+    std::string quoted = "\"";
+    for (const char c : *text)
+        quoted += c == '"' ? std::string(2, c) : std::string(1, c);
+    return quoted + '"';
+}
+
+CPLJSONObject jsonOf(const std::vector<Cell>& cells)
+{
+    CPLJSONObject object;
+    for (const Cell& cell : cells)
+        if (const double* number = std::get_if<double>(&cell.value))
+            object.Add(cell.column, *number);
+        else if (const std::int64_t* whole = std::get_if<std::int64_t>(&cell.value))
+            object.Add(cell.column, static_cast<GInt64>(*whole));
+        else if (const std::string* text = std::get_if<std::string>(&cell.value))
+            object.Add(cell.column, *text);
+        else
+            object.AddNull(cell.column);
+    return object;
+}
+
+/// Left-justified name and azimuths, wide enough for all rows.
+std::string labelOf(const Report& report, const std::string& method, const std::string& azimuths)
+{
+    std::size_t width = 6;
+    for (const Row& row : report.rows)
+        width = std::max(width, row.method.size());
+    return CPLSPrintf("%-*s %8s", static_cast<int>(width), method.c_str(), azimuths.c_str());
+}
+
+std::string labelOf(const Report& report, const Row& row)
+{
+    return labelOf(report, row.method, std::to_string(row.settings.azimuths));
+}
+
+std::string costTable(const Report& report)
+{
+    std::string table = "Cost: GPU milliseconds by stage; wall clock; textures and hulls\n  " +
+                        labelOf(report, "method", "azimuths");
+    for (const std::string& stage : report.stages)
+        table += CPLSPrintf(" %9s", stage.c_str());
+    table += "       all   wall ms       MiB\n";
+    for (const Row& row : report.rows)
+    {
+        table += "  " + labelOf(report, row);
+        if (!row.skipped.empty())
+        {
+            table += "   skipped: " + row.skipped + "\n";
+            continue;
+        }
+        for (const double milliseconds : row.stageMilliseconds)
+            table += CPLSPrintf(" %9.2f", milliseconds);
+        table += CPLSPrintf(" %9.2f %9.2f %9.2f\n", row.gpuMilliseconds, row.wallMilliseconds,
+                            static_cast<double>(row.bytes) / (1024.0 * 1024.0));
+    }
+    return table;
+}
+
+std::string errorTable(const Report& report, std::size_t q)
+{
+    const Quantity& quantity = quantities()[q];
+    std::string table =
+        "Error of the " + quantity.title + " [" + quantity.unit + "]; * front of GPU ms against " +
+        quantity.mainTitle + "\n  " + labelOf(report, "method", "azimuths") +
+        "    GPU ms      mean       rms       p99       max       bias  relative rms\n";
+    for (const Row& row : report.rows)
+    {
+        if (!row.skipped.empty())
+            continue;
+        const ErrorStatistics& e = row.errors[q];
+        table += row.onFront[q] ? "* " : "  ";
+        table += labelOf(report, row);
+        table += CPLSPrintf(" %9.2f", row.gpuMilliseconds);
+        for (const double error : {e.mean, e.rms, e.p99, e.max})
+            table += CPLSPrintf(" %9.3g", error);
+        table += CPLSPrintf(" %+10.3g", e.bias);
+        table += std::isnan(e.relativeRms) ? std::string(13, ' ') + "-"
+                                           : CPLSPrintf(" %13.3g", e.relativeRms);
+        table += "\n";
+    }
+    return table;
+}
+
+} // namespace
+
+std::vector<bool> paretoFront(const std::vector<CostAndError>& points)
+{
+    std::vector<bool> front;
+    for (const CostAndError& point : points)
+        front.push_back(
+            std::none_of(points.begin(), points.end(),
+                         [&](const CostAndError& other)
+                         {
+                             return other.cost <= point.cost && other.error <= point.error &&
+                                    (other.cost < point.cost || other.error < point.error);
+                         }));
+    return front;
+}
+
+void markFronts(Report& report)
+{
+    for (const Quantity& quantity : quantities())
+    {
+        const std::size_t q = static_cast<std::size_t>(&quantity - quantities().data());
+        std::vector<CostAndError> points;
+        for (const Row& row : report.rows)
+            if (row.skipped.empty())
+                points.push_back({row.gpuMilliseconds, row.errors[q].*quantity.main});
+        const std::vector<bool> front = paretoFront(points);
+        auto next = front.begin();
+        for (Row& row : report.rows)
+            if (row.skipped.empty())
+                row.onFront.push_back(*next++);
+    }
+}
+
+std::string tableOf(const Report& report)
+{
+    const GpuCapabilities& device = report.device;
+    std::string table =
+        "terrainlight " OSGTERRAINLIGHT_VERSION ", " + report.date + "\n" +
+        "Device:    " + device.renderer + (device.isSoftware() ? " (software)" : " (hardware)") +
+        ", OpenGL " + device.version + "\n" + "Terrain:   " + report.terrain + ", " +
+        std::to_string(report.width) + " x " + std::to_string(report.height) + " posts, " +
+        std::to_string(report.validPosts) + " of them valid, " + text(report.eastSpacing) + " x " +
+        text(report.northSpacing) + " m\n" + "Sun:       azimuth " + text(report.sky.sunAzimuth) +
+        ", elevation " + text(report.sky.sunElevation) + " degrees\n" +
+        "Reference: exhaustive horizons in double at " + std::to_string(report.skyPosts) +
+        " random posts (sun: " + std::to_string(report.sunPosts) + "), seed " +
+        std::to_string(report.seed) + "\n" + "Times:     median of " +
+        std::to_string(report.repeats) + " after a warm-up\n";
+    table += "\n" + costTable(report);
+    for (std::size_t q = 0; q < quantities().size(); ++q)
+        table += "\n" + errorTable(report, q);
+    return table;
+}
+
+std::string csvOf(const Report& report)
+{
+    std::string header, body;
+    for (const Row& row : report.rows)
+    {
+        header.clear();
+        for (const Cell& cell : cellsOf(report, row))
+        {
+            header += (header.empty() ? "" : ",") + cell.column;
+            body += (cell.column == "method" ? "" : ",") + csvField(cell.value);
+        }
+        body += "\n";
+    }
+    return header + "\n" + body;
+}
+
+std::string jsonOf(const Report& report)
+{
+    CPLJSONDocument document;
+    CPLJSONObject root = document.GetRoot();
+    root.Add("software", "terrainlight " OSGTERRAINLIGHT_VERSION);
+    root.Add("date", report.date);
+    CPLJSONObject device;
+    device.Add("vendor", report.device.vendor);
+    device.Add("renderer", report.device.renderer);
+    device.Add("opengl", report.device.version);
+    device.Add("is_software", report.device.isSoftware());
+    root.Add("device", device);
+    CPLJSONObject terrain;
+    terrain.Add("source", report.terrain);
+    terrain.Add("width", report.width);
+    terrain.Add("height", report.height);
+    terrain.Add("valid_posts", static_cast<GInt64>(report.validPosts));
+    terrain.Add("east_spacing_m", report.eastSpacing);
+    terrain.Add("north_spacing_m", report.northSpacing);
+    root.Add("terrain", terrain);
+    CPLJSONObject sun;
+    sun.Add("azimuth_deg", report.sky.sunAzimuth);
+    sun.Add("elevation_deg", report.sky.sunElevation);
+    sun.Add("radius_deg", report.sky.sunAngularRadius);
+    root.Add("sun", sun);
+    CPLJSONObject reference;
+    reference.Add("posts", static_cast<GInt64>(report.skyPosts));
+    reference.Add("sun_posts", static_cast<GInt64>(report.sunPosts));
+    reference.Add("seed", static_cast<GInt64>(report.seed));
+    reference.Add("sky_azimuths", Truth::skyAzimuths);
+    reference.Add("sun_strips", Truth::sunStrips);
+    root.Add("reference", reference);
+    root.Add("repeats", report.repeats);
+    CPLJSONArray rows;
+    for (const Row& row : report.rows)
+        rows.Add(jsonOf(cellsOf(report, row)));
+    root.Add("rows", rows);
+    return document.SaveAsString() + "\n";
+}
+
+} // namespace osgTerrainLight::tool::bench

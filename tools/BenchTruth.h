@@ -1,0 +1,85 @@
+#pragma once
+
+#include "Common.h"
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+/// `terrainlight bench`: what is true at some posts of a terrain, and how far a result is from it.
+namespace osgTerrainLight::tool::bench
+{
+
+struct Post
+{
+    int column = 0, row = 0;
+};
+
+/// The reference's values at random valid posts. Every post has the sun's; the first skyPosts have
+/// the rest, which takes many more directions.
+struct Truth
+{
+    static constexpr int skyAzimuths = 720;
+    static constexpr int sunStrips = 33;
+    /// Wrong shadows are rare and big, and a post's sun costs 1/22 of its sky.
+    static constexpr std::size_t sunPostsPerSkyPost = 10;
+
+    std::vector<Post> posts;
+    std::size_t skyPosts = 0;
+    std::vector<double> sun;   ///< visible fraction of the disc
+    std::vector<double> sky;   ///< sky-view factor, definition `surface`
+    std::vector<double> light; ///< luminance of the shading texture's rgb
+    /// Horizon elevation [degrees], clamped at 0, post by post, by azimuth count. A count that
+    /// divides another has no entry of its own.
+    std::map<int, std::vector<double>> horizons;
+
+    double horizon(std::size_t post, int azimuth, int azimuths) const;
+};
+
+/// Fewer posts where the tile has fewer valid ones, of which it needs one. Runs on all cores; the
+/// same arguments give the same bits. progress: 0 … 1, on the calling thread.
+Truth findTruth(const DemTile& tile, const SkyLight& sky, const std::vector<int>& azimuthCounts,
+                std::size_t skyPosts, std::uint32_t seed,
+                const std::function<void(double)>& progress);
+
+/// A result, read back.
+struct Found
+{
+    HorizonMap horizons;
+    Raster<float> sky;
+    Raster<osg::Vec4f> shading;
+};
+
+/// Of found − expected.
+struct ErrorStatistics
+{
+    double mean = 0.0; ///< of absolute values
+    double rms = 0.0;
+    double p99 = 0.0; ///< of absolute values
+    double max = 0.0; ///< of absolute values
+    double bias = 0.0;
+    double relativeRms = 0.0; ///< RMS error over the RMS of what is expected; NaN where that is 0
+};
+
+struct Compared
+{
+    double found, expected;
+};
+ErrorStatistics statisticsOf(const std::vector<Compared>& values);
+
+/// Something that a result can be wrong in. A new one is an entry of quantities().
+struct Quantity
+{
+    std::string name;  ///< begins its columns
+    std::string unit;  ///< ends them
+    std::string title; ///< for people
+    /// The error that its front and its part of the picture are about.
+    double ErrorStatistics::*main;
+    std::string mainTitle;
+    std::vector<Compared> (*compare)(const Truth&, const Found&);
+};
+const std::vector<Quantity>& quantities();
+
+} // namespace osgTerrainLight::tool::bench
