@@ -327,6 +327,40 @@ TYPED_TEST(HorizonFunctions, NearHorizonIsTheHighestSampleOfTheSurface)
     }
 }
 
+TYPED_TEST(HorizonFunctions, HorizonAlongRayIsTheHighestSampleOfTheSurface)
+{
+    Glsl<TypeParam> glsl;
+    const double relief = 40.0;
+    const int reach = 20;
+    for (const double voids : {0.0, 0.1})
+    {
+        const DemTile tile = randomTile(21, 13, -20.0, relief, voids, 2);
+        const Raster<TypeParam> heights = framed<TypeParam>(tile);
+        for (const Octant& octant : octants())
+            for (const double wanted : tangents)
+            {
+                const TypeParam tangent = static_cast<TypeParam>(wanted);
+                // As for nearHorizon: grazed cells, and rounding.
+                const double bound = slopeBound<TypeParam>(relief, relief, reach) + 2e-6 * relief;
+                for (int y = 0; y < tile.height(); ++y)
+                    for (int x = 0; x < tile.width(); ++x)
+                    {
+                        if (!tile.isValid(x, y))
+                            continue;
+                        const double slope = static_cast<double>(
+                            glsl.horizonAlongRay(heights, glm::ivec2(x, y) + frame, octant.major(),
+                                                 octant.minor(), tangent, reach));
+                        const double expected =
+                            DenseRay(tile, x, y, octant, static_cast<double>(tangent))
+                                .horizon(reach, reach);
+                        ASSERT_TRUE(slopesAgree(slope, expected, bound))
+                            << "tangent " << tangent << " post " << x << ' ' << y << ": " << slope
+                            << ", sampled " << expected;
+                    }
+            }
+    }
+}
+
 TYPED_TEST(HorizonFunctions, NearHorizonStopsAtVoids)
 {
     const double relief = 40.0;
