@@ -134,34 +134,75 @@ Status writeText(const std::string& path, const std::string& content)
     return Error{ErrorCode::Failed, path + ": cannot be written: " + reason};
 }
 
-Result<DemTile> readTerrain(const Options& options, Report& report, Progress& progress)
+/// Finds out what will be measured, and its size, without the heights.
+Status describeTerrain(const Options& options, Report& report)
 {
     if (!options.generated.empty())
     {
-        TerrainKind kind = TerrainKind::Fractal;
-        fromString(options.generated, kind);
         report.terrain =
             "generated " + options.generated + ", seed " + std::to_string(options.terrainSeed);
-        return generateTerrain(kind, options.width, options.height, options.spacing,
-                               options.terrainSeed);
+        report.width = options.width;
+        report.height = options.height;
+        return Nothing{};
     }
     const Result<DemInfo> info = describeDem(options.input, options.read);
     if (!info)
         return info.error();
     for (const std::string& note : info->notes)
         warn(options.input + ": " + note);
-    progress.reach(0.0);
+    report.terrain = CPLGetFilename(options.input.c_str());
+    report.width = info->window.width;
+    report.height = info->window.height;
+    return Nothing{};
+}
+
+Result<DemTile> readTerrain(const Options& options, Progress& progress)
+{
+    if (!options.generated.empty())
+    {
+        TerrainKind kind = TerrainKind::Fractal;
+        fromString(options.generated, kind);
+        return generateTerrain(kind, options.width, options.height, options.spacing,
+                               options.terrainSeed);
+    }
     DemReadOptions read = options.read;
     read.progress = [&progress](double fraction)
     {
         progress.reach(readEnd * fraction);
         return true;
     };
-    report.terrain = CPLGetFilename(options.input.c_str());
     Result<DemFile> dem = readDem(options.input, read);
     if (!dem)
         return dem.error();
     return std::move(dem->tile);
+}
+
+/// A row for each method and number of azimuths, skipped where the GPU cannot take its textures.
+std::vector<Row> planRows(const Options& options, const Gpu& gpu, int width, int height)
+{
+    std::vector<Row> rows;
+    for (const Method* method : options.methods)
+        for (const int azimuths : options.azimuths)
+        {
+            Row row;
+            row.method = method->name;
+            row.settings.azimuths = azimuths;
+            method->apply(row.settings);
+            if (const Status fits = checkFits(gpu, width, height, row.settings); !fits)
+                row.skipped = fits.error().message;
+            rows.push_back(std::move(row));
+        }
+    return rows;
+}
+
+/// An error where nothing is measured, or can be.
+Status checkAnyLeft(const Report& report)
+{
+    for (const Row& row : report.rows)
+        if (row.skipped.empty())
+            return Nothing{};
+    return Error{ErrorCode::NotSupported,
+                 report.terrain + ": nothing fits: " + report.rows.front().skipped};
 }
 
 /// Runs settings on the GPU: a warm-up, then the repeats. repeated: after each run.
@@ -169,11 +210,6 @@ Status measure(const Gpu& gpu, const DemTile& tile, const Truth& truth, const Sk
                int repeats, Row& row, std::vector<std::string>& stages,
                const std::function<void()>& repeated)
 {
-    if (Status fits = checkFits(gpu, tile.width(), tile.height(), row.settings); !fits)
-    {
-        row.skipped = fits.error().message;
-        return Nothing{};
-    }
     const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, row.settings, sky);
     lighting->setTimed(true);
     std::vector<std::vector<double>> byStage;
@@ -239,13 +275,17 @@ Status run(const Options& options)
     report.sky = options.sky;
     report.seed = options.seed;
     report.repeats = options.repeats;
+    if (Status described = describeTerrain(options, report); !described)
+        return described;
+    report.rows = planRows(options, *gpu, report.width, report.height);
+    if (Status left = checkAnyLeft(report); !left)
+        return left;
     Progress progress(options.quiet);
-    const Result<DemTile> tile = readTerrain(options, report, progress);
+    progress.reach(0.0);
+    const Result<DemTile> tile = readTerrain(options, progress);
     if (!tile)
         return tile.error();
     progress.reach(readEnd);
-    report.width = tile->width();
-    report.height = tile->height();
     report.validPosts = tile->validCount();
     report.eastSpacing = tile->nominalEastSpacing();
     report.northSpacing = tile->northSpacing;
@@ -258,33 +298,27 @@ Status run(const Options& options)
 
     // Time goes mostly with azimuths, the sun's included.
     double expected = 0.0;
-    for (const int azimuths : options.azimuths)
-        expected +=
-            static_cast<double>(options.methods.size()) * (azimuths + 1) * (options.repeats + 1);
+    for (const Row& row : report.rows)
+        if (row.skipped.empty())
+            expected += (row.settings.azimuths + 1) * (options.repeats + 1);
     double spent = 0.0;
-    for (const Method* method : options.methods)
-        for (const int azimuths : options.azimuths)
+    for (Row& row : report.rows)
+    {
+        if (!row.skipped.empty())
+            continue;
+        const auto repeated = [&]
         {
-            Row row;
-            row.method = method->name;
-            row.settings.azimuths = azimuths;
-            method->apply(row.settings);
-            const auto repeated = [&]
-            {
-                spent += azimuths + 1;
-                progress.reach(truthEnd + (1.0 - truthEnd) * spent / expected);
-            };
-            if (Status done = measure(*gpu, *tile, truth, options.sky, options.repeats, row,
-                                      report.stages, repeated);
-                !done)
-                return done;
-            report.rows.push_back(std::move(row));
-        }
+            spent += row.settings.azimuths + 1;
+            progress.reach(truthEnd + (1.0 - truthEnd) * spent / expected);
+        };
+        if (Status done = measure(*gpu, *tile, truth, options.sky, options.repeats, row,
+                                  report.stages, repeated);
+            !done)
+            return done;
+    }
     progress.reach(1.0);
-    if (std::none_of(report.rows.begin(), report.rows.end(),
-                     [](const Row& row) { return row.skipped.empty(); }))
-        return Error{ErrorCode::NotSupported,
-                     report.terrain + ": nothing fits: " + report.rows.front().skipped};
+    if (Status left = checkAnyLeft(report); !left)
+        return left;
     markFronts(report);
 
     std::cout << (options.quiet ? "" : "\n") << tableOf(report) << std::flush;
@@ -362,7 +396,7 @@ void addAzimuthList(CLI::App& app, std::vector<int>& azimuths)
         ->type_name("LIST");
 }
 
-CLI::Option* addGenerate(CLI::App& app, Options& options)
+CLI::Option* addGenerated(CLI::App& app, Options& options)
 {
     const auto read = [&options](const std::string& given)
     {
@@ -405,7 +439,7 @@ Mode addBench(CLI::App& tool)
     CLI::Option* input =
         app->add_option("INPUT", options->input, "DEM: any raster that GDAL reads")->type_name("");
     addReadOptions(*app, options->read);
-    CLI::Option* generate = addGenerate(*app, *options)->excludes(input);
+    CLI::Option* generate = addGenerated(*app, *options)->excludes(input);
     addSize(*app, options->width, options->height,
             "Posts of the generated terrain; one number: a square; default 1024");
     CLI::Option* spacing =
