@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# Plants one fault at a time in a copy of the shaders and expects the hard cases to fail.
+# Usage: tests/hard_cases/mutations.sh [BUILD] [NAME...], default build/ and all mutations. Prints per
+# mutation the test that failed first; exits non-zero where one survives or does not compile.
+# A mutation is a name, a file below shaders/ and a sed command that must change it.
+set -euo pipefail
+root=$(realpath "$(dirname "${BASH_SOURCE[0]}")/../..")
+program=$(realpath "${1:-$root/build}")/bin/hard_cases_tests
+shift || true
+[[ -x $program ]] || { echo "$program: not built (target hard_cases_tests)"; exit 2; }
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+survived=0
+
+mutate()
+{
+  local name=$1 file=$2 command=$3 start=$SECONDS
+  shift 3
+  [[ ${#wanted[@]} -eq 0 || " ${wanted[*]} " == *" $name "* ]] || return 0
+  rm -rf "${folder:?}"/*
+  mkdir -p "$folder/$(dirname "$file")"
+  sed -E "$command" "$root/shaders/$file" >"$folder/$file"
+  if cmp -s "$root/shaders/$file" "$folder/$file"; then
+    echo "$name: the sed command changes nothing in shaders/$file"
+    survived=$((survived + 1))
+    return 0
+  fi
+  if OSGTERRAINLIGHT_SHADERS=$folder "$program" --gtest_fail_fast >"$folder/log" 2>&1; then
+    echo "$name: SURVIVES"
+    survived=$((survived + 1))
+  elif grep -q 'does not compile' "$folder/log"; then
+    echo "$name: does not compile"
+    survived=$((survived + 1))
+  else
+    echo "$name: $(grep -m 1 '^\[  FAILED  \]' "$folder/log" | sed -E 's/.*\] ([^ ]+).*/\1/') ($((SECONDS - start)) s)"
+    grep -m 1 -A 2 ': Failure' "$folder/log" | sed -n '3s/^/    /p'
+  fi
+}
+
+wanted=("$@")
+mutate slope-sign lib/surface.glsl 's/vec3\(-east \*/vec3(east */'
+mutate normal-spacings lib/surface.glsl \
+  's/-east \* northSpacing, -north \* eastSpacing/-east * eastSpacing, -north * northSpacing/'
+mutate normal-count lib/surface.glsl 's/max\(count, real\(1\.0\)\)/real(4.0)/'
+mutate slice-width lib/sky.glsl 's/real\(2\.0\) \* sin\(real\(0\.5\) \* width\)/width/'
+mutate slice-own-plane lib/sky.glsl 's/min\(HALF_PI - clamped, planeZenith.*\)\);/HALF_PI - clamped;/'
+mutate sky-below-level lib/sky.glsl 's/max\(elevation, real\(0\.0\)\)/elevation/'
+mutate disc-no-clamp lib/sky.glsl \
+  's/clamp\(above \/ r, .*\);/above \/ r;/; s/max\(real\(1\.0\) - x \* x, real\(0\.0\)\)/real(1.0) - x * x/'
+mutate disc-step lib/sky.glsl 's/\(arc \+ x \* root\) \/ PI/(arc + x * root)/'
+mutate void-weight-one lib/surface.glsl 's/weight < real\(1\.0\) \? between : b/between/'
+mutate void-weight-below-zero lib/surface.glsl 's/max\(weight, real\(0\.0\)\)/weight/'
+mutate void-in-normal lib/surface.glsl 's/ && !isVoid\(across\)//'
+mutate hull-ties lib/horizon.glsl 's/\(eye\.y - nearer\.y\) >=/(eye.y - nearer.y) >/'
+mutate hull-side lib/horizon.glsl 's/\(eye\.y - nearer\.y\) >=/(eye.y - nearer.y) <=/'
+mutate near-reach lib/horizon.glsl 's/column <= reach;/column < reach;/'
+mutate near-inside lib/horizon.glsl 's/return inside \?/return false ?/'
+mutate near-own-cell lib/horizon.glsl 's/column == 1 && whole1/column == 0 \&\& whole1/'
+mutate near-row-crossing lib/horizon.glsl 's/max\(slope, atRow\)/slope/'
+mutate near-mirror passes/horizon_near.comp 's/drift < 0\.0 \? -1 : 1/1/'
+mutate near-step-length passes/horizon_near.comp 's/found\.slopes\[i\] \/ stepLength/found.slopes[i]/'
+mutate sweep-reach passes/horizon_sweep.comp 's/walked - reach - 1/walked - reach - 2/'
+mutate sweep-look passes/horizon_sweep.comp 's/look > 0 \? high : low/high/'
+mutate sweep-exit passes/horizon_sweep.comp 's/min\(eye\.y - nearer\.y, floor\(exit\)\)/eye.y - nearer.y/'
+mutate sweep-drift passes/horizon_sweep.comp 's/float turn = drift \* float\(look\)/float turn = drift/'
+mutate sweep-step-length passes/horizon_sweep.comp 's/slope \/ stepLength/slope/'
+mutate sweep-thinning passes/horizon_sweep.comp 's/hull\[i\] = hull\[2 \* i\]/hull[i] = hull[i]/'
+mutate sweep-overflow passes/horizon_sweep.comp 's/vertices > HULL_CAPACITY - CHUNK/false/'
+mutate code-rounding lib/angle.glsl 's/ \+ real\(0\.5\)\) \+ real\(32768/) + real(32768/'
+mutate code-sign lib/angle.glsl 's/slope < real\(0\.0\) \? -angle : angle/angle/'
+mutate azimuth-off-by-one passes/sky_view.comp 's/float\(k\);/float(k + 1);/'
+mutate sun-edge-below-level passes/shade.comp 's/max\(elevationOfCode\(code\), 0\.0\)/elevationOfCode(code)/'
+mutate sun-behind passes/shade.comp 's/max\(dot\(normal, sunDirection\), 0\.0\)/abs(dot(normal, sunDirection))/'
+mutate shade-void passes/shade.comp 's/if \(isVoid\(postHeight\(heights, post \+ frame\)\)\)/if (false)/'
+exit $((survived > 0))
