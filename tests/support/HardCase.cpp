@@ -100,11 +100,12 @@ struct Relief
         range = highest - lowest;
     }
 
-    double rounding(double slope) const
+    double rounding(double slope, int insideReach) const
     {
-        const double underflow = 2.2e-19; // see HardCase.h
-        return underflow + u * (3.0 * size + 3.0 * range + 375.0 * std::max(east, north) +
-                                12.0 * std::abs(slope));
+        constexpr double underflow = 2.2e-19;
+        return underflow +
+               u * (3.0 * size + 3.0 * range + (15.0 + 30.0 * insideReach) * std::max(east, north) +
+                    12.0 * std::abs(slope));
     }
 
     double highest = 0.0, size = 0.0, range = 0.0, east = 0.0, north = 0.0;
@@ -189,7 +190,7 @@ Allowed allowedHorizon(const HardCase& hardCase, const Relief& relief, int colum
     const GridRay ray(tile, column, row, direction);
     const auto elevation = [&](double slope) { return std::atan(slope / ray.step) * radian; };
     const double slope = expected.slope * ray.step;
-    const double rounding = std::isfinite(slope) ? relief.rounding(slope) : 0.0;
+    const double rounding = std::isfinite(slope) ? relief.rounding(slope, scheme.insideReach) : 0.0;
     const double place = expected.distance / ray.step;
     const double farthest = scheme.reach + 1.0;
 
@@ -269,8 +270,8 @@ double skyViewOf(const std::vector<double>& elevations, const reference::Vector3
     return sum / pi;
 }
 
-/// Heights as in a texture: framed by voids.
-constexpr int frame = 12;
+/// Heights as in a texture: framed by voids, as far as a block of eight rays of eight steps reads.
+constexpr int frame = 20;
 template <class Real>
 Raster<Real> framedHeights(const DemTile& tile)
 {
@@ -329,6 +330,7 @@ void checkConditioning(const HardCase& hardCase, const Relief& relief)
     Tally near(hardCase.name + ", nearHorizon in float");
     double worst = 0.0;
     constexpr double nothing = -1e9; // slopes below: a void, or nothing ahead
+    constexpr int reach = 8, insideReach = 8;
     for (const bool north : {false, true})
         // No ray of these passes a post so closely that float and double could disagree on its
         // side.
@@ -339,13 +341,11 @@ void checkConditioning(const HardCase& hardCase, const Relief& relief)
                     const glm::ivec2 first = north ? glm::ivec2(block, i) : glm::ivec2(i, block);
                     const glm::ivec2 major = north ? glm::ivec2(0, -1) : glm::ivec2(1, 0);
                     const glm::ivec2 minor = north ? glm::ivec2(1, 0) : glm::ivec2(0, 1);
-                    // Frames are narrower than a block and its ray need at the far corner.
-                    if (block + 8 + 10 > (north ? tile.width() : tile.height()) + frame)
-                        continue;
-                    const auto found =
-                        single.nearHorizon(heights, {first + frame, major, minor, tangent}, 8, 6);
+                    const auto found = single.nearHorizon(
+                        heights, {first + frame, major, minor, tangent}, reach, insideReach);
                     const auto expected = twofold.nearHorizon(
-                        exact, {first + frame, major, minor, static_cast<double>(tangent)}, 8, 6);
+                        exact, {first + frame, major, minor, static_cast<double>(tangent)}, reach,
+                        insideReach);
                     for (int k = 0; k < 8; ++k)
                     {
                         const glm::ivec2 post = first + minor * k;
@@ -356,7 +356,7 @@ void checkConditioning(const HardCase& hardCase, const Relief& relief)
                         const double b = expected.slopes[k];
                         if (a < nothing && b < nothing)
                             continue;
-                        const double bound = relief.rounding(b);
+                        const double bound = relief.rounding(b, insideReach);
                         near.take(a, b - bound, b + bound, at(post.x, post.y));
                         worst = std::max(worst, std::abs(a - b) / bound);
                     }
@@ -744,7 +744,9 @@ void expectHorizons(osg::State& state, const HardCase& hardCase, const HorizonFo
                     if (!slope)
                         continue;
                     const double step = GridRay(tile, x, y, azimuths.direction(k)).step;
-                    const double rounding = relief.rounding(*slope * step) / step;
+                    const double rounding =
+                        relief.rounding(*slope * step, HorizonScheme::of(quality).insideReach) /
+                        step;
                     const auto elevation = [](double tangent)
                     { return std::max(0.0, std::atan(tangent) * radian); };
                     const double found = std::max(0.0, map.elevationAt(x, y, k));

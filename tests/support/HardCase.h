@@ -31,7 +31,7 @@
 /// cancel in it are up to 2·D·s2 large, s2 <= 12, with 15 roundings: 360·u·D. With 6 more for a
 /// quotient that GPUs round to 2.5 units and for the step's length in float,
 ///
-///     rounding = u(3H + 3V + 375D + 12|R|).
+///     rounding = u(3H + 3V + (15 + 30·I)D + 12|R|).
 ///
 /// To it come 2.2e-19 m for heights of next to nothing: a product below the least normal float,
 /// 1.2e-38, may be lost, and with it twice its root. Each pop of a hull rounds its products, which
