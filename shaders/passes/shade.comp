@@ -19,6 +19,9 @@ uniform float sunElevation; // [rad]
 uniform float sunRadius;    // [rad]
 uniform float sunOff;       // alpha where there is no sun stage: 1 switched off, 0 below the horizontal
 
+// The greatest half float. Whether more would be stored as that or as infinity is the driver's choice.
+const float GREATEST_LIGHT = 65504.0;
+
 void main()
 {
     ivec2 post = ivec2(gl_GlobalInvocationID.xy);
@@ -43,5 +46,5 @@ void main()
                                  texelFetch(eastSpacings, ivec2(0, post.y), 0).x, northSpacing);
         light += sunIrradiance * (visible * max(dot(normal, sunDirection), 0.0) / PI);
     }
-    imageStore(shading, post, vec4(light, visible));
+    imageStore(shading, post, vec4(min(light, vec3(GREATEST_LIGHT)), visible));
 }
