@@ -27,8 +27,9 @@ DemTile onePost(double height)
 } // namespace
 
 // A spike of height h at distance d along a grid axis or a diagonal stands on the ray itself, and
-// on the line: h/d, exact for the method. (On other azimuths a spike further off than the near
-// field is missed where a line half a post aside passes its flank lower: HardCase.h.)
+// on the line: h/d, exact for the method. (Elsewhere a spike beyond the near field can be missed:
+// by a line that passes its flank lower, and on diagonals beside it by rays that meet only the
+// insides of its cells. HardCase.h bounds that; a spike of one post leaves it little to say.)
 TEST(SpikeAndPit, OneSpike)
 {
     OTL_NEED_GL(context);

@@ -69,6 +69,19 @@ private:
     std::string _text;
 };
 
+/// Unit vector at an angle [rad] counter-clockwise from east; 0 where an axis has it. Not the
+/// library's own conversion, which is under test.
+MapDirection directionAt(double angle)
+{
+    const auto snapped = [](double v) { return std::abs(v) < 1e-12 ? 0.0 : v; };
+    return {snapped(std::cos(angle)), snapped(std::sin(angle))};
+}
+
+MapDirection directionOfIndex(int index, int count)
+{
+    return directionAt(2.0 * pi * index / count);
+}
+
 /// H, V and D of a tile (HardCase.h), D per axis.
 struct Relief
 {
@@ -478,7 +491,6 @@ public:
 
     void horizons(const HorizonMap& map, const std::vector<reference::Horizon>& expected)
     {
-        const AzimuthSet azimuths(_case.azimuths);
         Tally bounds(_name + ", horizon [degrees]");
         Tally voids(_name + ", code of a void post");
         std::size_t rays = 0, twoSided = 0, index = 0;
@@ -502,8 +514,9 @@ public:
                         voids.take(map.codeAt(x, y, k), 0.0, 0.0, where);
                         continue;
                     }
-                    const Allowed allowed = allowedHorizon(
-                        _case, _relief, x, y, azimuths.direction(k), expected[index], _scheme);
+                    const Allowed allowed =
+                        allowedHorizon(_case, _relief, x, y, directionOfIndex(k, _case.azimuths),
+                                       expected[index], _scheme);
                     _low[index] = allowed.low;
                     _high[index] = allowed.high;
                     const double found = map.elevationAt(x, y, k);
@@ -577,8 +590,10 @@ public:
     {
         Tally fractions(_name + ", visible fraction of the sun");
         Tally lights(_name + ", light");
-        const MapDirection direction = directionOfCompass(sky.sunAzimuth);
-        const std::array<double, 3> sun = sky.sunDirection();
+        const MapDirection direction = directionAt((90.0 - sky.sunAzimuth) / radian);
+        const double level = std::cos(sky.sunElevation / radian);
+        const reference::Vector3 sun = {direction.east * level, direction.north * level,
+                                        std::sin(sky.sunElevation / radian)};
         const double radius = sky.sunAngularRadius / radian;
         // Angles in float, over the disc's radius; its area grows by at most 2/pi per radius.
         const double angle = decodeError + 2.0 * u * std::abs(sky.sunElevation) / radian;
@@ -678,15 +693,14 @@ void checkHardCase(osg::State& state, const HardCase& hardCase)
     const Relief relief(tile);
     checkConditioning(hardCase, relief);
 
-    const AzimuthSet azimuths(hardCase.azimuths);
     reference::HorizonOptions options;
     options.highest = relief.highest;
     std::vector<reference::Horizon> expected;
     for (int y = 0; y < tile.height(); ++y)
         for (int x = 0; x < tile.width(); ++x)
             for (int k = 0; k < hardCase.azimuths; ++k)
-                expected.push_back(
-                    reference::exhaustiveHorizon(tile, x, y, azimuths.direction(k), options));
+                expected.push_back(reference::exhaustiveHorizon(
+                    tile, x, y, directionOfIndex(k, hardCase.azimuths), options));
 
     for (const HorizonQuality quality : allQualities())
     {
@@ -724,7 +738,6 @@ void expectHorizons(osg::State& state, const HardCase& hardCase, const HorizonFo
 {
     const DemTile& tile = hardCase.tile;
     const Relief relief(tile);
-    const AzimuthSet azimuths(hardCase.azimuths);
     for (const HorizonQuality quality : allQualities())
     {
         SkyLight sky;
@@ -740,10 +753,12 @@ void expectHorizons(osg::State& state, const HardCase& hardCase, const HorizonFo
             for (int x = 0; x < tile.width(); ++x)
                 for (int k = 0; k < hardCase.azimuths; ++k)
                 {
-                    const std::optional<double> slope = form(x, y, azimuths.direction(k));
+                    const std::optional<double> slope =
+                        form(x, y, directionOfIndex(k, hardCase.azimuths));
                     if (!slope)
                         continue;
-                    const double step = GridRay(tile, x, y, azimuths.direction(k)).step;
+                    const double step =
+                        GridRay(tile, x, y, directionOfIndex(k, hardCase.azimuths)).step;
                     const double rounding =
                         relief.rounding(*slope * step, HorizonScheme::of(quality).insideReach) /
                         step;
