@@ -109,11 +109,9 @@ public:
 
     bool isBlack() const { return _perValue == 0.0; }
 
-    /// Per steradian.
+    /// Per steradian, of a direction above the lowest.
     double density(const Vector3& direction) const
     {
-        if (direction[2] < _lowestSine)
-            return 0.0;
         const double turn = std::atan2(direction[1], direction[0]) / (2.0 * pi);
         const double up = std::asin(std::clamp(direction[2], -1.0, 1.0)) / pi + 0.5;
         const int column = static_cast<int>((turn < 0.0 ? turn + 1.0 : turn) * _values.width());

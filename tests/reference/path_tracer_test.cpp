@@ -231,6 +231,25 @@ TEST(RayScene, FirstHitOnASaddleSolvesItsQuadratic)
     EXPECT_NEAR(again->grid[2], 4.5, 1e-13);
 }
 
+TEST(RayScene, ARayThatPassesARidgeTwiceStopsAtItsFirstFlank)
+{
+    // z = 2u + 2v − 4uv: along the diagonal u = v = s a ridge of 4s − 4s², which is ¾ at ¼ and ¾.
+    DemTile tile = analytic::plane(2, 2, 1.0, 0.0);
+    tile.setHeight(1, 0, 2.0f);
+    tile.setHeight(0, 1, 2.0f);
+    const PathTracer tracer = tracerOf(tile);
+    SurfacePoint start;
+    start.grid = {0.0, 0.0, 0.75};
+    const double diagonal = std::sqrt(0.5);
+    const auto hit = tracer.scene().firstHit(start, {diagonal, diagonal, 0.0});
+    ASSERT_TRUE(hit);
+    EXPECT_NEAR(hit->grid[0], 0.25, 1e-15);
+    start.grid[2] = 1.0 + 1e-12;
+    EXPECT_FALSE(tracer.scene().firstHit(start, {diagonal, diagonal, 0.0}));
+    start.grid[2] = 1.0 - 1e-12;
+    EXPECT_TRUE(tracer.scene().firstHit(start, {diagonal, diagonal, 0.0}));
+}
+
 TEST(LatinSupercube, PairsAreStratifiedUnbiasedAndIndependent)
 {
     constexpr int count = 256;
@@ -252,6 +271,12 @@ TEST(LatinSupercube, PairsAreStratifiedUnbiasedAndIndependent)
             EXPECT_EQ(boxes.size(), std::size_t(count)) << pair << ", " << columns;
         }
     }
+    // In one order two pairs would differ by their shifts alone: one value, not some 160 of 256.
+    std::set<int> differences;
+    for (int i = 0; i < count; ++i)
+        differences.insert(static_cast<int>(random.point(0, i)[0] * count) ^
+                           static_cast<int>(random.point(1, i)[0] * count));
+    EXPECT_GT(differences.size(), 120u);
     // Over streams, point 3 of two pairs: means ½, variances 1/12, no correlation, each within 4 of
     // its deviation: √(1/12/n), √(1/180/n), 1/12/√n.
     constexpr int streams = 20000;
