@@ -177,8 +177,8 @@ Result<DemTile> readTerrain(const Options& options, Progress& progress)
     return std::move(dem->tile);
 }
 
-/// A row for each method and number of azimuths, skipped where the GPU cannot take its textures.
-std::vector<Row> planRows(const Options& options, const Gpu& gpu, int width, int height)
+/// A row for each method and number of azimuths.
+std::vector<Row> planRows(const Options& options)
 {
     std::vector<Row> rows;
     for (const Method* method : options.methods)
@@ -188,63 +188,52 @@ std::vector<Row> planRows(const Options& options, const Gpu& gpu, int width, int
             row.method = method->name;
             row.settings.azimuths = azimuths;
             method->apply(row.settings);
-            if (const Status fits = checkFits(gpu, width, height, row.settings); !fits)
-                row.skipped = fits.error().message;
             rows.push_back(std::move(row));
         }
     return rows;
 }
 
-/// An error where nothing is measured, or can be.
-Status checkAnyLeft(const Report& report)
+/// What a row's rounds took [ms].
+struct Times
 {
-    for (const Row& row : report.rows)
-        if (row.skipped.empty())
-            return Nothing{};
-    return Error{ErrorCode::NotSupported,
-                 report.terrain + ": nothing fits: " + report.rows.front().skipped};
-}
+    std::vector<std::vector<double>> byStage;
+    std::vector<double> gpu, wall;
+};
 
-/// Runs settings on the GPU: a warm-up, then the repeats. repeated: after each run.
+/// Runs a row's settings twice, and times the second. In the first round finds its errors, too.
 Status measure(const Gpu& gpu, const DemTile& tile, const Truth& truth, const SkyLight& sky,
-               int repeats, Row& row, std::vector<std::string>& stages,
-               const std::function<void()>& repeated)
+               Row& row, Times& times, std::vector<std::string>& stages)
 {
     const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, row.settings, sky);
     lighting->setTimed(true);
-    std::vector<std::vector<double>> byStage;
-    std::vector<double> all, wall;
-    for (int run = 0; run <= repeats && row.skipped.empty(); ++run)
+    // Twice, if there is room: the first time compiles and allocates.
+    std::chrono::duration<double, std::milli> took{};
+    for (int i = 0; i < 2 && row.skipped.empty(); ++i)
     {
         lighting->touch();
         const auto start = std::chrono::steady_clock::now();
         if (Status done = lighting->update(gpu.state()); !done)
             return done;
-        if (Status done = gpu.finish(); !done)
+        if (const Status done = gpu.finish(); !done)
             row.skipped = done.error().message;
-        const std::chrono::duration<double, std::milli> took =
-            std::chrono::steady_clock::now() - start;
-        repeated();
-        if (run == 0)
-            continue;
-        const std::vector<StageCost> costs = lighting->costs();
-        byStage.resize(costs.size());
-        stages.clear();
-        all.push_back(0.0);
-        wall.push_back(took.count());
-        for (std::size_t i = 0; i < costs.size(); ++i)
-        {
-            stages.push_back(costs[i].name);
-            byStage[i].push_back(costs[i].gpuMilliseconds);
-            all.back() += costs[i].gpuMilliseconds;
-        }
+        took = std::chrono::steady_clock::now() - start;
     }
     if (row.skipped.empty())
     {
-        for (const std::vector<double>& milliseconds : byStage)
-            row.stageMilliseconds.push_back(median(milliseconds));
-        row.gpuMilliseconds = median(all);
-        row.wallMilliseconds = median(wall);
+        const std::vector<StageCost> costs = lighting->costs();
+        times.byStage.resize(costs.size());
+        stages.clear();
+        times.wall.push_back(took.count());
+        times.gpu.push_back(0.0);
+        for (std::size_t i = 0; i < costs.size(); ++i)
+        {
+            stages.push_back(costs[i].name);
+            times.byStage[i].push_back(costs[i].gpuMilliseconds);
+            times.gpu.back() += costs[i].gpuMilliseconds;
+        }
+    }
+    if (row.skipped.empty() && row.errors.empty())
+    {
         row.bytes = lighting->bytes();
         const Found found = {lighting->readHorizons(gpu.state()),
                              lighting->readSkyView(gpu.state()),
@@ -254,6 +243,42 @@ Status measure(const Gpu& gpu, const DemTile& tile, const Truth& truth, const Sk
     }
     lighting->releaseGLObjects(&gpu.state());
     osg::flushAllDeletedGLObjects(gpu.state().getContextID());
+    return Nothing{};
+}
+
+/// Measures the rows in rounds, all rows in each, so that a machine that is busy for a while slows
+/// them all, and not the one whose turn it was.
+Status measureAll(const Gpu& gpu, const DemTile& tile, const Truth& truth, Report& report,
+                  Progress& progress)
+{
+    // Time goes mostly with azimuths, the sun's included.
+    double expected = 0.0;
+    for (const Row& row : report.rows)
+        expected += (row.settings.azimuths + 1) * report.repeats;
+    double spent = 0.0;
+    std::vector<Times> times(report.rows.size());
+    for (int round = 0; round < report.repeats; ++round)
+        for (std::size_t i = 0; i < report.rows.size(); ++i)
+        {
+            Row& row = report.rows[i];
+            if (row.skipped.empty())
+                if (Status done =
+                        measure(gpu, tile, truth, report.sky, row, times[i], report.stages);
+                    !done)
+                    return done;
+            spent += row.settings.azimuths + 1;
+            progress.reach(truthEnd + (1.0 - truthEnd) * spent / expected);
+        }
+    for (std::size_t i = 0; i < report.rows.size(); ++i)
+    {
+        Row& row = report.rows[i];
+        if (!row.skipped.empty())
+            continue;
+        for (const std::vector<double>& milliseconds : times[i].byStage)
+            row.stageMilliseconds.push_back(median(milliseconds));
+        row.gpuMilliseconds = median(times[i].gpu);
+        row.wallMilliseconds = median(times[i].wall);
+    }
     return Nothing{};
 }
 
@@ -277,9 +302,9 @@ Status run(const Options& options)
     report.repeats = options.repeats;
     if (Status described = describeTerrain(options, report); !described)
         return described;
-    report.rows = planRows(options, *gpu, report.width, report.height);
-    if (Status left = checkAnyLeft(report); !left)
-        return left;
+    if (Status fits = checkFits(*gpu, report.width, report.height, {}); !fits)
+        return Error{fits.error().code, report.terrain + ": " + fits.error().message};
+    report.rows = planRows(options);
     Progress progress(options.quiet);
     progress.reach(0.0);
     const Result<DemTile> tile = readTerrain(options, progress);
@@ -296,29 +321,13 @@ Status run(const Options& options)
     report.skyPosts = truth.skyPosts;
     report.sunPosts = truth.posts.size();
 
-    // Time goes mostly with azimuths, the sun's included.
-    double expected = 0.0;
-    for (const Row& row : report.rows)
-        if (row.skipped.empty())
-            expected += (row.settings.azimuths + 1) * (options.repeats + 1);
-    double spent = 0.0;
-    for (Row& row : report.rows)
-    {
-        if (!row.skipped.empty())
-            continue;
-        const auto repeated = [&]
-        {
-            spent += row.settings.azimuths + 1;
-            progress.reach(truthEnd + (1.0 - truthEnd) * spent / expected);
-        };
-        if (Status done = measure(*gpu, *tile, truth, options.sky, options.repeats, row,
-                                  report.stages, repeated);
-            !done)
-            return done;
-    }
+    if (Status measured = measureAll(*gpu, *tile, truth, report, progress); !measured)
+        return measured;
     progress.reach(1.0);
-    if (Status left = checkAnyLeft(report); !left)
-        return left;
+    if (std::none_of(report.rows.begin(), report.rows.end(),
+                     [](const Row& row) { return row.skipped.empty(); }))
+        return Error{ErrorCode::NotSupported,
+                     report.terrain + ": nothing was measured: " + report.rows.front().skipped};
     markFronts(report);
 
     std::cout << (options.quiet ? "" : "\n") << tableOf(report) << std::flush;
@@ -463,7 +472,8 @@ Mode addBench(CLI::App& tool)
         *app, "--seed", "N", {{"seed", 0.0, 4294967295.0, true}}, "Which random posts; default 1",
         [options](const auto& v) { options->seed = static_cast<std::uint32_t>(v[0]); });
     addLimitedNumbers(*app, "--repeats", "N", {{"repeats", 1.0, 1000.0, true}},
-                      "Runs after the warm-up; times are their medians; default 5",
+                      "Rounds, in each of which every row runs twice, the first time to warm up; "
+                      "times are medians; default 5",
                       [options](const auto& v) { options->repeats = static_cast<int>(v[0]); });
     app->add_option("--csv", options->csv, "Table to write, a line per row")->type_name("FILE");
     app->add_option("--json", options->json, "The same with device, date and terrain")

@@ -213,13 +213,15 @@ std::string tableOf(const Report& report)
         "Device:    " + device.renderer + (device.isSoftware() ? " (software)" : " (hardware)") +
         ", OpenGL " + device.version + "\n" + "Terrain:   " + report.terrain + ", " +
         std::to_string(report.width) + " x " + std::to_string(report.height) + " posts, " +
-        std::to_string(report.validPosts) + " of them valid, " + text(report.eastSpacing) + " x " +
-        text(report.northSpacing) + " m\n" + "Sun:       azimuth " + text(report.sky.sunAzimuth) +
-        ", elevation " + text(report.sky.sunElevation) + " degrees\n" +
+        std::to_string(report.validPosts) + " of them valid, " +
+        CPLSPrintf("%.6g x %.6g m\n", report.eastSpacing, report.northSpacing) +
+        "Sun:       azimuth " + text(report.sky.sunAzimuth) + ", elevation " +
+        text(report.sky.sunElevation) + " degrees\n" +
         "Reference: exhaustive horizons in double at " + std::to_string(report.skyPosts) +
         " random posts (sun: " + std::to_string(report.sunPosts) + "), seed " +
         std::to_string(report.seed) + "\n" + "Times:     median of " +
-        std::to_string(report.repeats) + " after a warm-up\n";
+        std::to_string(report.repeats) +
+        " rounds, in each of which every row runs after a warm-up\n";
     table += "\n" + costTable(report);
     for (std::size_t q = 0; q < quantities().size(); ++q)
         table += "\n" + errorTable(report, q);
