@@ -49,7 +49,6 @@ mutate disc-no-clamp lib/sky.glsl \
   's/clamp\(above \/ r, .*\);/above \/ r;/; s/max\(real\(1\.0\) - x \* x, real\(0\.0\)\)/real(1.0) - x * x/'
 mutate disc-step lib/sky.glsl 's/\(arc \+ x \* root\) \/ PI/(arc + x * root)/'
 mutate void-weight-one lib/surface.glsl 's/weight < real\(1\.0\) \? between : b/between/'
-mutate void-weight-below-zero lib/surface.glsl 's/max\(weight, real\(0\.0\)\)/weight/'
 mutate void-in-normal lib/surface.glsl 's/ && !isVoid\(across\)//'
 mutate hull-ties lib/horizon.glsl 's/\(eye\.y - nearer\.y\) >=/(eye.y - nearer.y) >/'
 mutate hull-side lib/horizon.glsl 's/\(eye\.y - nearer\.y\) >=/(eye.y - nearer.y) <=/'

@@ -95,10 +95,10 @@ TEST(Voids, EveryThirdPost)
 }
 
 // Rays whose drift is a fraction w/c run through posts, but in float pass them by a hair, now on
-// one side, now on the other: a void beside such a post must neither cast nor, with a weight that
-// rounding made negative, be a height of 1e23. On level ground nothing rises, so the sun is the
-// open one's: a circular segment, within one unit of a half float and the code's decoding
-// (sun_test.cpp).
+// one side, now on the other. A void beside such a post must not cast, not even where hardware that
+// fuses a multiplication with an addition makes a weight negative. On level ground nothing rises,
+// so the sun is the open one's: a circular segment, within one unit of a half float and the code's
+// decoding (sun_test.cpp).
 TEST(Voids, BesideRaysThroughPosts)
 {
     OTL_NEED_GL(context);
