@@ -302,7 +302,7 @@ Status run(const Options& options)
     report.repeats = options.repeats;
     if (Status described = describeTerrain(options, report); !described)
         return described;
-    if (Status fits = checkFits(*gpu, report.width, report.height, {}); !fits)
+    if (Status fits = checkFits(*gpu, report.width, report.height); !fits)
         return Error{fits.error().code, report.terrain + ": " + fits.error().message};
     report.rows = planRows(options);
     Progress progress(options.quiet);

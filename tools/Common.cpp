@@ -469,10 +469,9 @@ Result<Gpu> openGpu(int width, int height)
     return gpu;
 }
 
-Status checkFits(const Gpu& gpu, int width, int height, const LightingSettings& settings)
+Status checkFits(const Gpu& gpu, int width, int height)
 {
-    const int frame = HorizonPass::frame(HorizonScheme::of(settings.quality));
-    const int most = gpu.capabilities.maxTextureSize - 2 * frame;
+    const int most = gpu.capabilities.maxTextureSize - 2 * HorizonPass::frame;
     if (width > most || height > most)
         return Error{ErrorCode::NotSupported,
                      std::to_string(width) + " x " + std::to_string(height) + " posts; '" +
@@ -534,8 +533,7 @@ Status process(const std::string& mode, const RasterOptions& options, const SkyL
         return gpu.error();
     LitTile lit;
     lit.gpu = std::move(*gpu);
-    if (Status fits = checkFits(lit.gpu, info->window.width, info->window.height, options.settings);
-        !fits)
+    if (Status fits = checkFits(lit.gpu, info->window.width, info->window.height); !fits)
         return Error{fits.error().code, path + ": " + fits.error().message};
 
     Progress progress(options.output.quiet);

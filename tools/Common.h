@@ -159,7 +159,7 @@ struct Gpu
 Result<Gpu> openGpu(int width = 16, int height = 16);
 
 /// An error where a raster is larger than the context's textures.
-Status checkFits(const Gpu& gpu, int width, int height, const LightingSettings& settings);
+Status checkFits(const Gpu& gpu, int width, int height);
 
 /// A DEM and its light, computed.
 struct LitTile

@@ -59,7 +59,7 @@ void printGpu(const Gpu& gpu)
 void printMemory(int width, int height, const LightingSettings& settings)
 {
     const double posts = double(width) * height;
-    const int frame = HorizonPass::frame(HorizonScheme::of(settings.quality));
+    constexpr int frame = HorizonPass::frame;
     const double heights = 4.0 * (double(width + 2 * frame) * (height + 2 * frame) + height);
     const double map = 2.0 * posts * settings.azimuths;
     const HorizonScheme scheme = HorizonScheme::of(settings.quality);
@@ -134,10 +134,10 @@ Status printRates(const Gpu& gpu, const DemTile& tile, LightingSettings settings
     for (const auto quality : {HorizonQuality::Draft, HorizonQuality::Normal, HorizonQuality::Best})
     {
         settings.quality = quality;
-        if (Status fits = checkFits(gpu, tile.width(), tile.height(), settings); !fits)
+        if (Status fits = checkFits(gpu, tile.width(), tile.height()); !fits)
             return fits;
         const HorizonScheme scheme = HorizonScheme::of(quality);
-        const auto heights = createHeightTexture(tile, HorizonPass::frame(scheme));
+        const auto heights = createHeightTexture(tile, HorizonPass::frame);
         const osg::ref_ptr<HorizonPass> pass =
             new HorizonPass(tile, heights, scheme, azimuths.count());
         pass->setDirections(directions);

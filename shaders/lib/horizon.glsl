@@ -216,6 +216,30 @@ Slope horizonAlongRay(sampler2D heights, ivec2 receiver, ivec2 major, ivec2 mino
     return best;
 }
 
+// Slope [m per step] at which a receiver of height `here` sees the surface along its ray at `away` >= 1
+// whole steps or, if that is higher, at the row that the ray crosses in the step before; NO_HORIZON
+// where neither has valid posts. turn: posts along `minor` per step, -1 ... 1.
+Slope slopeAtStep(sampler2D heights, ivec2 receiver, Length here, ivec2 major, ivec2 minor, real turn,
+                  int away)
+{
+    real distance = real(away);
+    real offset = turn * distance;
+    int whole = int(floor(offset));
+    ivec2 post = receiver + major * away + minor * whole;
+    Length rise = crossingHeight(postHeight(heights, post), postHeight(heights, post + minor),
+                                 offset - real(whole)) - here;
+    Slope slope = isVoid(rise) ? NO_HORIZON : rise / distance;
+
+    real before = offset - turn;
+    int row = int(floor(max(offset, before)));
+    bool crosses = real(row) > min(offset, before);
+    real place = crosses ? real(row) / turn : distance;
+    post = receiver + major * (away - 1) + minor * row;
+    rise = crossingHeight(postHeight(heights, post), postHeight(heights, post + major),
+                          place - (distance - real(1.0))) - here;
+    return crosses && !isVoid(rise) ? max(slope, rise / place) : slope;
+}
+
 // Hull of a sweep (Timonen and Westerholm 2010, section 5): vertices are (height [m], position
 // [steps]). True where, seen from `eye`, `farther` stands at least as high as `nearer`: compared by
 // cross-multiplication, no division. Equal slopes count, which keeps the hull small on planes.

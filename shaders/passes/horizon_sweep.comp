@@ -2,7 +2,7 @@
 // and keeps the upper hull of the line's samples (Timonen and Westerholm 2010, sections 4 and 5). A
 // post stands between two lines, up to a post's width aside, so their horizons are not its own: it only
 // asks each line where the horizon is, and measures the surface on its own ray there and a step to
-// either side. The result is a slope that the ray really meets: exact on planes, and, but for voids,
+// either side, on columns and rows. The result is a slope that the ray really meets: exact on planes, and, but for voids,
 // never too high.
 // Samples closer than `reach` steps are left to horizon_near.comp.
 //
@@ -30,6 +30,10 @@ uniform vec4 directions[256];
 // vertex stood above their chord. `dropped` counts them.
 const int HULL_CAPACITY = HULL_SIZE;
 const int CHUNK = 16;
+
+// Steps that are measured about the one found. A post that asks two lines gets by without the nearer
+// one: what it would add, the other line finds.
+const int FIRST_MEASURED = ASKED == 1 ? -1 : 0;
 
 const float LEAD = ASKED == 1 ? 0.5 : 0.0;
 // Posts that a line serves in a step: two where it is one of two lines, one per post.
@@ -155,21 +159,17 @@ void main()
                     float found = min(eye.y - nearer.y, floor(exit));
                     Slope slope = NO_HORIZON;
                     bool measured = false;
-                    for (int i = -1; i <= 1; ++i)
+                    for (int i = FIRST_MEASURED; i <= 1; ++i)
                     {
                         float away = found + float(i);
-                        bool onRay = vertices > 0 && away > float(reach) && away <= exit &&
+                        bool onRay = vertices > 0 && away > float(reach) && away < exit + 1.0 &&
                                      away <= float(walked);
-                        away = onRay ? away : 0.0;
-                        float offset = turn * away;
-                        int whole = int(floor(offset));
-                        ivec2 at = post + frame + (north ? ivec2(whole, look * int(away))
-                                                         : ivec2(look * int(away), whole));
-                        float a = postHeight(heights, at);
-                        float b = postHeight(heights, at + (north ? ivec2(1, 0) : ivec2(0, 1)));
-                        float rise = crossingHeight(a, b, offset - float(whole)) - eye.x;
-                        onRay = onRay && !isVoid(rise);
-                        slope = onRay ? max(slope, rise / away) : slope;
+                        Slope met = slopeAtStep(heights, post + frame, eye.x,
+                                                north ? ivec2(0, look) : ivec2(look, 0),
+                                                north ? ivec2(1, 0) : ivec2(0, 1), turn,
+                                                onRay ? int(away) : 1);
+                        onRay = onRay && met > NO_HORIZON;
+                        slope = onRay ? max(slope, met) : slope;
                         measured = measured || onRay;
                     }
                     // Beside a void the ray may meet no surface there; then the line's word stands.

@@ -361,6 +361,46 @@ TYPED_TEST(HorizonFunctions, HorizonAlongRayIsTheHighestSampleOfTheSurface)
     }
 }
 
+TYPED_TEST(HorizonFunctions, SlopeAtStepMeetsEveryColumnAndRow)
+{
+    using G = Glsl<TypeParam>;
+    G glsl;
+    const double relief = 40.0;
+    const int reach = 20;
+    const double bound = slopeBound<TypeParam>(relief, relief, reach);
+    for (const double voids : {0.0, 0.1})
+    {
+        const DemTile tile = randomTile(21, 13, -20.0, relief, voids, 3);
+        const Raster<TypeParam> heights = framed<TypeParam>(tile);
+        for (const Octant& octant : octants())
+            for (const double wanted : tangents)
+            {
+                const TypeParam tangent = static_cast<TypeParam>(wanted);
+                for (int y = 0; y < tile.height(); ++y)
+                    for (int x = 0; x < tile.width(); ++x)
+                    {
+                        if (!tile.isValid(x, y))
+                            continue;
+                        // All steps together see what a scan without cells' insides sees.
+                        TypeParam slope = G::NO_HORIZON;
+                        for (int away = 1; away <= reach; ++away)
+                            slope = std::max(
+                                slope, glsl.slopeAtStep(
+                                           heights, glm::ivec2(x, y) + frame,
+                                           static_cast<TypeParam>(tile.heightAt(x, y)),
+                                           octant.major(), octant.minor() * octant.drift,
+                                           tangent * static_cast<TypeParam>(octant.drift), away));
+                        const double expected =
+                            DenseRay(tile, x, y, octant, static_cast<double>(tangent))
+                                .horizon(reach, 0);
+                        ASSERT_TRUE(slopesAgree(static_cast<double>(slope), expected, bound))
+                            << "tangent " << tangent << " post " << x << ' ' << y << ": " << slope
+                            << ", sampled " << expected;
+                    }
+            }
+    }
+}
+
 TYPED_TEST(HorizonFunctions, NearHorizonStopsAtVoids)
 {
     const double relief = 40.0;

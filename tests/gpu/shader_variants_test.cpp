@@ -135,8 +135,7 @@ TEST(ShaderVariants, EveryQualityRunsWithListedOnes)
                                     { return nameOf(listed) == nameOf(used); }))
                 << nameOf(used);
         }
-        const osg::ref_ptr<osg::Texture2D> heights =
-            createHeightTexture(tile, HorizonPass::frame(scheme));
+        const osg::ref_ptr<osg::Texture2D> heights = createHeightTexture(tile, HorizonPass::frame);
         const osg::ref_ptr<HorizonPass> pass = new HorizonPass(tile, heights, scheme, 2);
         pass->setDirections({{1.0, 0.0}, {-0.6, 0.8}});
         const Status done = pass->dispatch(context->state());

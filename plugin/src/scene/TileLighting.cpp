@@ -36,10 +36,12 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
     for (int y = 0; y < _tile.height(); ++y)
         spacings.at(0, y) = static_cast<float>(_tile.eastSpacing(y));
     _eastSpacings = createFloatTexture(spacings);
-    createHeights();
+    _heights = createHeightTexture(_tile, HorizonPass::frame);
     for (const auto& pass : {_skyPass, _shadePass})
     {
+        pass->reads("heights", _heights);
         pass->reads("eastSpacings", _eastSpacings);
+        pass->set("frame", int(HorizonPass::frame));
         pass->set("size", _tile.width(), _tile.height());
         pass->set("northSpacing", static_cast<float>(_tile.northSpacing));
     }
@@ -77,7 +79,7 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
          {
              return _sun ? textureBytes(*_sun->horizon()) +
                                HorizonPass::workingBytes(width(), height(),
-                                                         HorizonScheme::of(_settings.quality), 1)
+                                                         HorizonScheme::ofSun(_settings.quality), 1)
                          : 0;
          },
          [this] { _sun = nullptr; }});
@@ -87,17 +89,6 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                      [this](osg::State& state) { return runShade(state); },
                      [this] { return textureBytes(*_shading); },
                      [] {}});
-}
-
-void TileLighting::createHeights()
-{
-    const int frame = HorizonPass::frame(HorizonScheme::of(_settings.quality));
-    _heights = createHeightTexture(_tile, frame);
-    for (const auto& pass : {_skyPass, _shadePass})
-    {
-        pass->reads("heights", _heights);
-        pass->set("frame", frame);
-    }
 }
 
 bool TileLighting::needsSun(const SkyLight& sky)
@@ -113,7 +104,6 @@ void TileLighting::setSettings(const LightingSettings& settings)
     _settings = settings;
     if (!changed)
         return;
-    createHeights();
     _horizon = nullptr;
     _sun = nullptr;
     _chain.touch(_settingsValue);
@@ -185,7 +175,7 @@ Status TileLighting::runSky(osg::State& state)
 Status TileLighting::runSun(osg::State& state)
 {
     if (!_sun)
-        _sun = new HorizonPass(_tile, _heights, HorizonScheme::of(_settings.quality), 1);
+        _sun = new HorizonPass(_tile, _heights, HorizonScheme::ofSun(_settings.quality), 1);
     _sun->setDirections({directionOfCompass(_sky.sunAzimuth)});
     return _sun->dispatch(state);
 }

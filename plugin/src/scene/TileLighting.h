@@ -85,7 +85,6 @@ private:
 
     bool skyNeeded() const { return _sky.skyEnabled; }
     bool sunNeeded() const { return needsSun(_sky); }
-    void createHeights();
     Status runHorizon(osg::State& state);
     Status runSky(osg::State& state);
     Status runSun(osg::State& state);

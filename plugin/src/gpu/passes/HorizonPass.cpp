@@ -24,11 +24,24 @@ HorizonScheme HorizonScheme::of(HorizonQuality quality)
     switch (quality)
     {
     case HorizonQuality::Draft:
-        return {2, 1, 1, 2};
+        return {4, 1, 1, 4};
     case HorizonQuality::Best:
-        return {16, 2, 2, 12};
+        return {24, 2, 2, 24};
     default:
-        return {8, 1, 1, 6};
+        return {8, 1, 1, 8};
+    }
+}
+
+HorizonScheme HorizonScheme::ofSun(HorizonQuality quality)
+{
+    switch (quality)
+    {
+    case HorizonQuality::Draft:
+        return {8, 1, 1, 8};
+    case HorizonQuality::Best:
+        return {64, 2, 2, 64};
+    default:
+        return {32, 2, 2, 32};
     }
 }
 
@@ -38,6 +51,7 @@ HorizonPass::HorizonPass(const DemTile& tile, osg::Texture2D* heights, const Hor
       _eastSpacings(tile.eastSpacings), _nominalEastSpacing(tile.nominalEastSpacing()),
       _scheme(scheme), _near(new GpuPass("horizon_near"))
 {
+    assert(scheme.reach + 20 <= frame);
     for (int parity = 0; parity < scheme.linesAsked; ++parity)
     {
         std::vector<std::string> defines = {"HULL_SIZE " + std::to_string(hullSize),
@@ -57,7 +71,7 @@ HorizonPass::HorizonPass(const DemTile& tile, osg::Texture2D* heights, const Hor
         pass->reads("heights", heights);
         pass->reads("stepLengths", _stepLengths);
         pass->set("size", _width, _height);
-        pass->set("frame", frame(scheme));
+        pass->set("frame", int(frame));
         pass->set("reach", scheme.reach);
     }
     _near->set("insideReach", scheme.insideReach);

@@ -25,7 +25,10 @@ struct OSGTERRAINLIGHT_EXPORT HorizonScheme
     int linesAsked = 1;   ///< by each post: 1, the nearest, or 2
     int insideReach = 6;  ///< steps in which maxima inside cells count too, 1 … reach
 
+    /// For the sky's horizons.
     static HorizonScheme of(HorizonQuality quality);
+    /// For the sun's, which has one azimuth, and a shadow's edge to put in its place: finer.
+    static HorizonScheme ofSun(HorizonQuality quality);
 };
 
 /// Horizons of a tile for a list of directions: a linear-time sweep for what is far (Timonen and
@@ -34,10 +37,11 @@ struct OSGTERRAINLIGHT_EXPORT HorizonScheme
 class OSGTERRAINLIGHT_EXPORT HorizonPass : public osg::Referenced
 {
 public:
-    /// Width of the void frame that the height texture must have.
-    static int frame(const HorizonScheme& scheme) { return scheme.reach + 20; }
+    /// Width of the void frame that the height texture must have: the longest near field, and what
+    /// a block of it and the sweep read beyond.
+    static constexpr int frame = 64 + 20;
 
-    /// heights: createHeightTexture(tile, frame(scheme)). At most 256 directions.
+    /// heights: createHeightTexture(tile, frame). At most 256 directions.
     HorizonPass(const DemTile& tile, osg::Texture2D* heights, const HorizonScheme& scheme,
                 int directionCount);
 
