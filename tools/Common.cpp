@@ -75,13 +75,13 @@ CLI::Option* addCheckedNumbers(CLI::App& app, const std::string& option,
 
 /// Where a budget is given: chooses lit.settings by measurement. An error where none meets it.
 Status choose(LitTile& lit, const RasterOptions& options, const SkyLight& sky,
-              SkyViewDefinition definition, Progress& progress)
+              std::optional<SkyViewDefinition> skyView, Progress& progress)
 {
     if (!options.maxError && !options.maxMilliseconds)
         return Nothing{};
     osg::State& state = lit.gpu.state();
     Result<SettingsTrial> trial =
-        SettingsTrial::create(state, lit.dem.tile, sky, definition,
+        SettingsTrial::create(state, lit.dem.tile, sky, skyView,
                               [&progress](double fraction)
                               { progress.reach(readEnd + (trialEnd - readEnd) * fraction); });
     if (!trial)
@@ -515,7 +515,7 @@ RasterWriteOptions writeOptions(const OutputOptions& output, const Metadata& met
 }
 
 Status process(const std::string& mode, const RasterOptions& options, const SkyLight& sky,
-               SkyViewDefinition definition, int bands,
+               std::optional<SkyViewDefinition> skyView, int bands,
                const std::function<Status(LitTile&, Progress&)>& write)
 {
     const std::string& path = options.input;
@@ -549,9 +549,10 @@ Status process(const std::string& mode, const RasterOptions& options, const SkyL
         return dem.error();
     lit.dem = std::move(*dem);
     lit.settings = options.settings;
-    if (Status chosen = choose(lit, options, sky, definition, progress); !chosen)
+    if (Status chosen = choose(lit, options, sky, skyView, progress); !chosen)
         return Error{chosen.error().code, path + ": " + chosen.error().message};
-    if (Status computed = compute(lit, sky, definition, progress); !computed)
+    if (Status computed = compute(lit, sky, skyView.value_or(SkyViewDefinition::Surface), progress);
+        !computed)
         return Error{computed.error().code, path + ": " + computed.error().message};
     if (Status written = write(lit, progress); !written)
         return written;

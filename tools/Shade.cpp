@@ -134,7 +134,7 @@ Status run(const Options& options)
         return writeFloats(options, metadata, lit, shading, progress);
     };
     const int bands = isExr(options.output) || isPicture(options.output) ? 0 : 4;
-    return process("shade", options, options.sky, SkyViewDefinition::Surface, bands, write);
+    return process("shade", options, options.sky, std::nullopt, bands, write);
 }
 
 } // namespace

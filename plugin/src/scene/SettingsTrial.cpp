@@ -49,6 +49,12 @@ double luminance(const Rgb& c)
                      static_cast<double>(c[2]));
 }
 
+double luminance(const osg::Vec4f& c)
+{
+    return luminance(static_cast<double>(c.r()), static_cast<double>(c.g()),
+                     static_cast<double>(c.b()));
+}
+
 std::array<double, 3> normalAt(const DemTile& tile, const TilePost& post)
 {
     Raster<double> around(3, 3, Glsl<double>::VOID_HEIGHT);
@@ -89,13 +95,15 @@ double median(std::vector<double> values)
 } // namespace
 
 Result<SettingsTrial> SettingsTrial::create(osg::State& state, const DemTile& tile,
-                                            const SkyLight& sky, SkyViewDefinition definition,
+                                            const SkyLight& sky,
+                                            std::optional<SkyViewDefinition> skyView,
                                             std::function<void(double)> progress)
 {
     SettingsTrial trial;
     trial._tile = tile;
     trial._sky = sky;
-    trial._definition = definition;
+    assert(!skyView || (sky.skyEnabled && !sky.sunEnabled));
+    trial._skyView = skyView;
     trial._progress = std::move(progress);
     std::vector<TilePost> valid;
     for (int row = 0; row < tile.height(); ++row)
@@ -130,6 +138,12 @@ Result<SettingsTrial> SettingsTrial::create(osg::State& state, const DemTile& ti
         trial._denseSky = trial.exactSky(denseAzimuths);
     }
     trial._progress(0.15);
+    if (!skyView)
+    {
+        trial._sunPosts = draw(sunPostCount);
+        trial._sunFraction.assign(sunPostCount, 0.0);
+        trial._sunWeights.assign(sunPostCount, 0.0);
+    }
     if (TileLighting::needsSun(sky))
     {
         // The disc as strips of equal angle on its edge: offset r·cos a, half length r·sin a.
@@ -146,7 +160,6 @@ Result<SettingsTrial> SettingsTrial::create(osg::State& state, const DemTile& ti
             halves.push_back(sky.sunAngularRadius * radiansPerDegree * std::sin(a));
             weights.push_back(std::sin(a) * std::sin(a) * 2.0 / sunStrips);
         }
-        trial._sunPosts = draw(sunPostCount);
         const Result<Raster<double>> slopes =
             scanHorizons(state, tile, trial._sunPosts, directions);
         if (!slopes)
@@ -166,8 +179,8 @@ Result<SettingsTrial> SettingsTrial::create(osg::State& state, const DemTile& ti
             const std::array<double, 3> normal = normalAt(tile, trial._sunPosts[p]);
             const double facing =
                 normal[0] * towards[0] + normal[1] * towards[1] + normal[2] * towards[2];
-            trial._sunFraction.push_back(visible);
-            trial._sunWeights.push_back(luminance(sky.sunIrradiance) * std::max(facing, 0.0) / pi);
+            trial._sunFraction[p] = visible;
+            trial._sunWeights[p] = luminance(sky.sunIrradiance) * std::max(facing, 0.0) / pi;
         }
     }
     trial._progress(0.2);
@@ -187,7 +200,7 @@ std::vector<double> SettingsTrial::exactSky(int azimuths) const
             sum += Glsl<double>().skySlice(
                 _elevations.at(static_cast<int>(p), k * (denseAzimuths / azimuths)),
                 {n[0], n[1], n[2]}, std::cos(width * k), std::sin(width * k), width,
-                static_cast<int>(_definition));
+                static_cast<int>(definition()));
         view.push_back(sum);
     }
     return view;
@@ -197,7 +210,7 @@ Result<SettingsTrial::Run> SettingsTrial::run(osg::State& state, const LightingS
                                               int repeats) const
 {
     const osg::ref_ptr<TileLighting> lighting =
-        new TileLighting(_tile, settings, _sky, _definition);
+        new TileLighting(_tile, settings, _sky, definition());
     lighting->setTimed(true);
     Run result;
     std::vector<double> sky, rest;
@@ -222,25 +235,21 @@ Result<SettingsTrial::Run> SettingsTrial::run(osg::State& state, const LightingS
     result.restMilliseconds = median(rest);
 
     const Raster<osg::Vec4f> shading = lighting->readShading(state);
+    const double skyLuminance = luminance(_sky.skyRadiance);
+    Raster<float> view(_tile.width(), _tile.height());
     if (_sky.skyEnabled)
-    {
-        const Raster<float> view = lighting->readSkyView(state);
-        for (std::size_t p = 0; p < _skyPosts.size(); ++p)
-            result.skyErrors.push_back(
-                luminance(_sky.skyRadiance) *
-                (static_cast<double>(view.at(_skyPosts[p].column, _skyPosts[p].row)) -
-                 _denseSky[p]));
-    }
+        view = lighting->readSkyView(state);
+    const auto skyLight = [&](const TilePost& post)
+    { return skyLuminance * static_cast<double>(view.at(post.column, post.row)); };
+    for (std::size_t p = 0; p < _skyPosts.size(); ++p)
+        result.skyErrors.push_back(skyLight(_skyPosts[p]) - skyLuminance * _denseSky[p]);
     for (std::size_t p = 0; p < _sunPosts.size(); ++p)
-        result.sunErrors.push_back(
-            _sunWeights[p] *
-            (static_cast<double>(shading.at(_sunPosts[p].column, _sunPosts[p].row).a()) -
-             _sunFraction[p]));
+        result.restErrors.push_back(luminance(shading.at(_sunPosts[p].column, _sunPosts[p].row)) -
+                                    skyLight(_sunPosts[p]) - _sunWeights[p] * _sunFraction[p]);
     const double valid = static_cast<double>(_tile.validCount());
     for (const osg::Vec4f& c : shading.values())
     {
-        const double y = luminance(static_cast<double>(c.r()), static_cast<double>(c.g()),
-                                   static_cast<double>(c.b()));
+        const double y = luminance(c);
         result.meanSquare += y * y / valid;
     }
     lighting->releaseGLObjects(&state);
@@ -253,11 +262,11 @@ Result<SettingsTrial::Run> SettingsTrial::run(osg::State& state, const LightingS
 }
 
 double SettingsTrial::errorOf(const std::vector<double>& skyErrors,
-                              const std::vector<double>& sunErrors) const
+                              const std::vector<double>& restErrors) const
 {
-    // The two are measured at different posts; the sum of the roots bounds the root of the sum.
+    // The two are measured at posts of their own; the sum of the roots bounds the root of the sum.
     const double sum =
-        std::sqrt(meanSquareBound(skyErrors)) + std::sqrt(meanSquareBound(sunErrors));
+        std::sqrt(meanSquareBound(skyErrors)) + std::sqrt(meanSquareBound(restErrors));
     return _meanSquare > 0.0 ? sum / std::sqrt(_meanSquare) : 0.0;
 }
 
@@ -304,7 +313,7 @@ std::vector<SettingsTrial::Candidate> SettingsTrial::candidates(const LightingSe
             candidate.settings.quality = quality;
             if (_sky.skyEnabled)
                 candidate.settings.azimuths = azimuths;
-            candidate.error = errorOf(errors, probed.sunErrors);
+            candidate.error = errorOf(errors, probed.restErrors);
             candidate.milliseconds =
                 probed.skyMilliseconds * azimuths / probeAzimuths + probed.restMilliseconds;
             all.push_back(candidate);
@@ -323,7 +332,7 @@ Result<SettingsChoice> SettingsTrial::measure(osg::State& state, const LightingS
         return measured.error();
     SettingsChoice choice;
     choice.settings = settings;
-    choice.error = errorOf(measured->skyErrors, measured->sunErrors);
+    choice.error = errorOf(measured->skyErrors, measured->restErrors);
     choice.milliseconds = measured->skyMilliseconds + measured->restMilliseconds;
     choice.met = true;
     return choice;

@@ -14,6 +14,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <vector>
 
 namespace osgTerrainLight
@@ -32,10 +33,12 @@ namespace osgTerrainLight
 class OSGTERRAINLIGHT_EXPORT SettingsTrial
 {
 public:
-    /// progress: called with fractions done, 0 … 1. An error where the tile has no valid post.
+    /// skyView: where given, what matters is not the shading but the sky-view factor of that
+    /// definition; the light is then a sky alone. progress: called with fractions done, 0 … 1. An
+    /// error where the tile has no valid post.
     static Result<SettingsTrial> create(
         osg::State& state, const DemTile& tile, const SkyLight& sky,
-        SkyViewDefinition definition = SkyViewDefinition::Surface,
+        std::optional<SkyViewDefinition> skyView = std::nullopt,
         std::function<void(double)> progress = [](double) {});
 
     /// As LightingSettings::forMaxError and forFrameTime; what is not chosen is taken from `base`.
@@ -49,19 +52,20 @@ public:
                                    int repeats = 3);
 
 private:
+    SkyViewDefinition definition() const { return _skyView.value_or(SkyViewDefinition::Surface); }
     /// Sky-view factor of each sky post from `azimuths` of the exhaustive horizons.
     std::vector<double> exactSky(int azimuths) const;
     struct Run
     {
-        std::vector<double> skyErrors; ///< luminance, at the sky posts; empty without a sky
-        std::vector<double> sunErrors; ///< luminance, at the sun posts; empty without a sun
-        double skyMilliseconds = 0.0;  ///< what grows with the azimuths
+        std::vector<double> skyErrors;  ///< luminance, at the sky posts; empty without a sky
+        std::vector<double> restErrors; ///< of sun and storage, at the sun posts
+        double skyMilliseconds = 0.0;   ///< what grows with the azimuths
         double restMilliseconds = 0.0;
         double meanSquare = 0.0; ///< of the shading's luminance, all valid posts
     };
     Result<Run> run(osg::State& state, const LightingSettings& settings, int repeats) const;
     double errorOf(const std::vector<double>& skyErrors,
-                   const std::vector<double>& sunErrors) const;
+                   const std::vector<double>& restErrors) const;
     Status probe(osg::State& state);
     struct Candidate
     {
@@ -77,7 +81,7 @@ private:
 
     DemTile _tile;
     SkyLight _sky;
-    SkyViewDefinition _definition = SkyViewDefinition::Surface;
+    std::optional<SkyViewDefinition> _skyView;
     std::function<void(double)> _progress;
 
     std::vector<TilePost> _skyPosts, _sunPosts;
