@@ -88,10 +88,10 @@ easiest. Time goes with the number of azimuths, `normal` costs 10 to 30 % more t
 much. A horizon map for analysis is worth `best`; light is not.
 
 **In the light that one sees, what is wrong from 16 azimuths on is the sun**: a few posts at the edges of shadows, at
-`draft` also behind crests that were missed. They hold the error of the shading at 0.2 to 0.6 % with `draft` and 0.05 to
-0.2 % with `normal`, however many azimuths follow; `best` adds nothing that shows. So `normal` with 16 azimuths is the place
+`draft` also behind crests that were missed. They hold the error of the shading at 0.17 to 0.6 % with `draft` and 0.02 to
+0.18 % with `normal`, however many azimuths follow; `best` adds nothing that shows. So `normal` with 16 azimuths is the place
 to start, 32 (the default) if the sky is to be right within 0.1 %, and 8 while something moves. Cliffs, walls and
-one-post spikes raise all of it five- to tenfold, whatever the settings. Errors below 0.05 % are the shading texture's 16-bit floats,
+one-post spikes raise all of it five- to tenfold, whatever the settings. The last 0.02 % are the shading texture's 16-bit floats,
 which no setting changes. A lower sun than this one makes more shadows to be wrong in, and a plain fewer: measure your
 own terrain and machine with `terrainlight bench`, or let `--max-error` and `--max-ms` choose.
 

@@ -39,21 +39,21 @@ HorizonError measure(osg::State& state, const DemTile& tile, HorizonQuality qual
 
 void expectNormal(const HorizonError& error)
 {
-    EXPECT_LE(error.mean, 0.02);
-    EXPECT_LE(error.p99, 0.3);
-    EXPECT_LE(std::abs(error.bias), 0.02);
+    EXPECT_LE(error.mean, 0.008);
+    EXPECT_LE(error.p99, 0.15);
+    EXPECT_LE(std::abs(error.bias), 0.008);
 }
 
 void expectBest(const HorizonError& error)
 {
-    EXPECT_LE(error.mean, 0.005);
-    EXPECT_LE(error.p99, 0.1);
+    EXPECT_LE(error.mean, 0.002);
+    EXPECT_LE(error.p99, 0.02);
 }
 
 void expectBestOnCliffs(const HorizonError& error)
 {
-    EXPECT_LE(error.mean, 0.12);
-    EXPECT_LE(error.p99, 3.0);
+    EXPECT_LE(error.mean, 0.08);
+    EXPECT_LE(error.p99, 1.5);
 }
 
 class RealTerrain : public ::testing::TestWithParam<const char*>
@@ -286,6 +286,6 @@ TEST(ShadowAccuracy, AgainstTheExactScan)
         }
         std::printf("%-8s sun %.0f,%.0f: %.3f %% of posts differ by more than 0.5, mean %.5f\n",
                     toString(c.kind), c.azimuth, c.elevation, 100.0 * differ / count, mean);
-        EXPECT_LE(differ, count / 200);
+        EXPECT_LE(differ, count / 2000);
     }
 }

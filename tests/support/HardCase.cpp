@@ -485,7 +485,8 @@ class QualityCheck
 public:
     QualityCheck(const HardCase& hardCase, const Relief& relief, HorizonQuality quality)
         : _case(hardCase), _tile(hardCase.tile), _relief(relief), _quality(quality),
-          _scheme(HorizonScheme::of(quality)), _name(hardCase.name + ", " + toString(quality))
+          _scheme(HorizonScheme::of(quality)), _sunScheme(HorizonScheme::ofSun(quality)),
+          _name(hardCase.name + ", " + toString(quality))
     {
     }
 
@@ -624,7 +625,7 @@ public:
                     const reference::Horizon expected =
                         reference::exhaustiveHorizon(_tile, x, y, direction, options);
                     const Allowed allowed =
-                        allowedHorizon(_case, _relief, x, y, direction, expected, _scheme);
+                        allowedHorizon(_case, _relief, x, y, direction, expected, _sunScheme);
                     const auto visible = [&](double horizon)
                     {
                         return reference::segmentFraction(sky.sunElevation, std::max(0.0, horizon),
@@ -671,7 +672,7 @@ private:
     const DemTile& _tile;
     const Relief& _relief;
     HorizonQuality _quality;
-    HorizonScheme _scheme;
+    HorizonScheme _scheme, _sunScheme;
     std::string _name;
     std::vector<double> _low, _high; ///< allowed horizons, post by post
     Raster<double> _viewLow, _viewHigh;
