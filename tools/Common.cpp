@@ -127,7 +127,7 @@ Status compute(LitTile& lit, const SkyLight& sky, SkyViewDefinition definition, 
     for (const StageCost& cost : lit.lighting->costs())
         if (cost.dispatches > 0)
             lit.azimuths += cost.name == "horizon" ? lit.settings.azimuths
-                            : cost.name == "sun"   ? 1
+                            : cost.name == "sun"   ? TileLighting::sunAzimuths
                                                    : 0;
     progress.reach(computeEnd);
     return Nothing{};

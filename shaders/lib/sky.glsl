@@ -28,6 +28,30 @@ real visibleDiscFraction(Angle above, Angle r)
     return clamp(real(0.5) + (arc + x * root) / PI, real(0.0), real(1.0));
 }
 
+// A horizon need not be straight across a disc: it is measured at its centre and SUN_SIDE of its radius
+// to either side, linear between, level beyond.
+GLSL_CONST real SUN_SIDE = real(0.85);
+
+// Visible fraction of a disc of angular radius r [rad] whose centre stands left, centre, right [rad] over
+// the horizon at those three azimuths. Eight vertical strips, their edges equally spaced on the disc's
+// own, weigh what the bent horizon hides more or less than a straight one, whose fraction is exact.
+real visibleDiscFractionAcross(Angle left, Angle centre, Angle right, Angle r)
+{
+    real change = real(0.0);
+    for (int i = 0; i < 8; ++i)
+    {
+        real angle = PI * (real(i) + real(0.5)) / real(8.0);
+        real place = clamp(cos(angle) / SUN_SIDE, real(-1.0), real(1.0));
+        real halfChord = sin(angle);
+        Angle side = place < real(0.0) ? left : right;
+        Angle above = centre + (side - centre) * abs(place);
+        real bent = clamp(real(0.5) + real(0.5) * above / (r * halfChord), real(0.0), real(1.0));
+        real straight = clamp(real(0.5) + real(0.5) * centre / (r * halfChord), real(0.0), real(1.0));
+        change = change + halfChord * halfChord * (bent - straight);
+    }
+    return clamp(visibleDiscFraction(centre, r) + change / real(4.0), real(0.0), real(1.0));
+}
+
 // One slice's share of a sky-view factor. elevation: of the horizon; the sky ends at the horizontal
 // in all three definitions. definition: 0 cosine to the normal, 1 cosine to the zenith, 2 solid angle.
 real skySlice(Angle elevation, vec3 normal, real cosine, real sine, Angle width, int definition)

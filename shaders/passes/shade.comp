@@ -4,7 +4,8 @@ layout(local_size_x = 8, local_size_y = 8) in;
 uniform sampler2D heights; // R32F [m], framed by `frame` void posts, row 0 south
 uniform sampler2D eastSpacings; // R32F [m], one texel per row
 uniform sampler2D skyView; // R32F, sky-view factor; read where hasSky
-uniform sampler2DArray sunHorizon; // elevation codes towards the sun, one layer; read where hasSun
+// Elevation codes towards the sun's disc, its left, centre and right; read where hasSun.
+uniform sampler2DArray sunHorizon;
 layout(rgba16f, binding = 0) writeonly uniform image2D shading;
 
 uniform ivec2 size; // posts
@@ -47,9 +48,13 @@ void main()
     if (hasSun)
     {
         // The sky's edge is the horizontal, for the sun as for the sky.
-        float code = texelFetch(sunHorizon, ivec3(post, 0), 0).x;
-        float edge = max(elevationOfCode(code), 0.0);
-        visible = visibleDiscFraction(sunElevation - edge, sunRadius);
+        float above[3];
+        for (int i = 0; i < 3; ++i)
+        {
+            float code = texelFetch(sunHorizon, ivec3(post, i), 0).x;
+            above[i] = sunElevation - max(elevationOfCode(code), 0.0);
+        }
+        visible = visibleDiscFractionAcross(above[0], above[1], above[2], sunRadius);
         vec3 normal = postNormal(heights, post + frame,
                                  texelFetch(eastSpacings, ivec2(0, post.y), 0).x, northSpacing);
         light += sunIrradiance * (visible * max(dot(normal, sunDirection), 0.0) / PI);

@@ -140,7 +140,7 @@ TEST(TerrainLighting, AStillSceneDispatchesNothingAndAChangeOnlyWhatItReaches)
     picture.draw(3);
     EXPECT_EQ(lighting->getDispatchCounts(),
               (Counts{{"horizon", 1}, {"sky", 1}, {"sun", 2}, {"shade", 2}}));
-    sky.sunElevation = 50.0; // the sun's horizon does not depend on it
+    sky.sunIrradiance = {1.0f, 1.0f, 1.0f}; // the sun's horizon does not depend on it
     lighting->setSkyLight(sky);
     picture.draw(3);
     EXPECT_EQ(lighting->getDispatchCounts(),

@@ -195,6 +195,23 @@ struct Allowed
     bool twoSided = false;
 };
 
+/// How much eight strips across a disc differ from its segment over a straight horizon, at most.
+double stripDefect()
+{
+    double worst = 0.0;
+    for (int k = -1000; k <= 1000; ++k)
+    {
+        double strips = 0.0;
+        for (int i = 0; i < 8; ++i)
+        {
+            const double half = std::sin(pi * (i + 0.5) / 8.0);
+            strips += half * half / 4.0 * std::clamp(0.5 + 0.0005 * k / half, 0.0, 1.0);
+        }
+        worst = std::max(worst, std::abs(strips - reference::segmentFraction(0.001 * k, 0.0, 1.0)));
+    }
+    return worst;
+}
+
 Allowed allowedHorizon(const HardCase& hardCase, const Relief& relief, int column, int row,
                        const MapDirection& direction, const reference::Horizon& expected,
                        const HorizonScheme& scheme)
@@ -592,6 +609,12 @@ public:
         Tally fractions(_name + ", visible fraction of the sun");
         Tally lights(_name + ", light");
         const MapDirection direction = directionAt((90.0 - sky.sunAzimuth) / radian);
+        // The disc's left, centre and right.
+        const double side = std::atan2(std::sin(0.85 * sky.sunAngularRadius / radian),
+                                       std::cos(sky.sunElevation / radian));
+        const MapDirection across[3] = {directionAt((90.0 - sky.sunAzimuth) / radian + side),
+                                        direction,
+                                        directionAt((90.0 - sky.sunAzimuth) / radian - side)};
         const double level = std::cos(sky.sunElevation / radian);
         const reference::Vector3 sun = {direction.east * level, direction.north * level,
                                         std::sin(sky.sunElevation / radian)};
@@ -599,6 +622,7 @@ public:
         // Angles in float, over the disc's radius; its area grows by at most 2/pi per radius.
         const double angle = decodeError + 2.0 * u * std::abs(sky.sunElevation) / radian;
         const double fractionRounding = 2.0 / pi * angle / radius + (2e-8 + 4.0 * u) / pi + 8.0 * u;
+        const double defect = stripDefect();
         // One unit of a half float: which way an image store rounds is the driver's choice, and
         // some cut off.
         constexpr double half = 1.0 / 1024.0;
@@ -622,17 +646,29 @@ public:
                 double low = 0.0, high = 0.0;
                 if (hasSun(sky))
                 {
-                    const reference::Horizon expected =
-                        reference::exhaustiveHorizon(_tile, x, y, direction, options);
-                    const Allowed allowed =
-                        allowedHorizon(_case, _relief, x, y, direction, expected, _sunScheme);
-                    const auto visible = [&](double horizon)
+                    double lowest[3], highest[3]; // of the disc's centre over the horizons
+                    for (std::size_t i = 0; i < 3; ++i)
                     {
-                        return reference::segmentFraction(sky.sunElevation, std::max(0.0, horizon),
-                                                          sky.sunAngularRadius);
+                        const reference::Horizon expected =
+                            reference::exhaustiveHorizon(_tile, x, y, across[i], options);
+                        const Allowed allowed =
+                            allowedHorizon(_case, _relief, x, y, across[i], expected, _sunScheme);
+                        const auto above = [&](double horizon)
+                        { return (sky.sunElevation - std::max(0.0, horizon)) / radian; };
+                        lowest[i] = above(allowed.high);
+                        highest[i] = above(allowed.low);
+                    }
+                    // The strips' sum falls with each horizon. What makes a straight horizon
+                    // exact need not: it is below `defect`, and changes by at most 1.5 per radius.
+                    const auto visible = [&](const double* above) {
+                        return Glsl<double>().visibleDiscFractionAcross(above[0], above[1],
+                                                                        above[2], radius);
                     };
-                    low = std::max(0.0, visible(allowed.high) - fractionRounding);
-                    high = std::min(1.0, visible(allowed.low) + fractionRounding);
+                    const double wrong =
+                        fractionRounding * 3.0 +
+                        std::min(2.0 * defect, 1.5 * (highest[1] - lowest[1]) / radius);
+                    low = std::max(0.0, visible(lowest) - wrong);
+                    high = std::min(1.0, visible(highest) + wrong);
                 }
                 fractions.take(static_cast<double>(found.a()), low * (1.0 - half),
                                high * (1.0 + half), where);

@@ -31,7 +31,7 @@ constexpr std::size_t skyPostCount = 384;
 /// Wrong shadows are rare and big, so the sun needs many posts; it has few directions.
 constexpr std::size_t sunPostCount = 16384;
 /// Strips across the sun's disc, each with a horizon of its own.
-constexpr int sunStrips = 5;
+constexpr int sunStrips = 9;
 /// One-sided 95 % of the normal distribution.
 constexpr double confidence = 1.645;
 

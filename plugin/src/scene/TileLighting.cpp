@@ -1,5 +1,6 @@
 #include "scene/TileLighting.h"
 
+#include "glsl_host.h"
 #include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
 
@@ -48,7 +49,7 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
     _shadePass->writes(0, _shading);
 
     _settingsValue = _chain.addSource();
-    _sunDirectionValue = _chain.addSource();
+    _sunPlaceValue = _chain.addSource();
     _lightValue = _chain.addSource();
     const auto horizon = _chain.addStage(
         {"horizon",
@@ -72,14 +73,15 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                                           [this] { _skyView = nullptr; }});
     const auto sun = _chain.addStage(
         {"sun",
-         {_settingsValue, _sunDirectionValue},
+         {_settingsValue, _sunPlaceValue},
          [this] { return sunNeeded(); },
          [this](osg::State& state) { return runSun(state); },
          [this]
          {
              return _sun ? textureBytes(*_sun->horizon()) +
                                HorizonPass::workingBytes(width(), height(),
-                                                         HorizonScheme::ofSun(_settings.quality), 1)
+                                                         HorizonScheme::ofSun(_settings.quality),
+                                                         sunAzimuths)
                          : 0;
          },
          [this] { _sun = nullptr; }});
@@ -112,8 +114,9 @@ void TileLighting::setSettings(const LightingSettings& settings)
 void TileLighting::setSky(const SkyLight& sky)
 {
     Lock lock(_mutex);
-    if (sky.sunAzimuth != _sky.sunAzimuth)
-        _chain.touch(_sunDirectionValue);
+    if (sky.sunAzimuth != _sky.sunAzimuth || sky.sunElevation != _sky.sunElevation ||
+        sky.sunAngularRadius != _sky.sunAngularRadius)
+        _chain.touch(_sunPlaceValue);
     _sky = sky;
     _chain.touch(_lightValue);
 }
@@ -175,8 +178,17 @@ Status TileLighting::runSky(osg::State& state)
 Status TileLighting::runSun(osg::State& state)
 {
     if (!_sun)
-        _sun = new HorizonPass(_tile, _heights, HorizonScheme::ofSun(_settings.quality), 1);
-    _sun->setDirections({directionOfCompass(_sky.sunAzimuth)});
+        _sun =
+            new HorizonPass(_tile, _heights, HorizonScheme::ofSun(_settings.quality), sunAzimuths);
+    // SUN_SIDE of the disc's radius to either side, as an azimuth: less than 90 degrees, all around
+    // where the disc holds the zenith.
+    const double side = static_cast<double>(Glsl<float>::SUN_SIDE) * _sky.sunAngularRadius;
+    const double turn = std::atan2(std::sin(side * radiansPerDegree),
+                                   std::cos(_sky.sunElevation * radiansPerDegree)) /
+                        radiansPerDegree;
+    _sun->setDirections({directionOfCompass(_sky.sunAzimuth - turn),
+                         directionOfCompass(_sky.sunAzimuth),
+                         directionOfCompass(_sky.sunAzimuth + turn)});
     return _sun->dispatch(state);
 }
 

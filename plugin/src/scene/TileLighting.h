@@ -41,6 +41,9 @@ public:
     TileLighting(const DemTile& tile, const LightingSettings& settings, const SkyLight& sky,
                  SkyViewDefinition definition = SkyViewDefinition::Surface);
 
+    /// Horizons that the sun's stage computes per post: across its disc.
+    static constexpr int sunAzimuths = 3;
+
     /// Whether a light has a sun stage: a sun that is on and not wholly below the horizontal.
     static bool needsSun(const SkyLight& sky);
 
@@ -97,7 +100,7 @@ private:
     SkyViewDefinition _definition;
 
     mutable PassChain _chain;
-    PassChain::Value _settingsValue, _sunDirectionValue, _lightValue;
+    PassChain::Value _settingsValue, _sunPlaceValue, _lightValue;
 
     osg::ref_ptr<osg::Texture2D> _heights;
     osg::ref_ptr<osg::Texture2D> _eastSpacings;
