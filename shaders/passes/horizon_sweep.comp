@@ -156,13 +156,14 @@ void main()
                     }
                     // A line may leave the data later than the ray beside it: what it sees there, the
                     // ray would see at its own exit at most.
-                    float found = min(eye.y - nearer.y, floor(exit));
+                    // Where the line's only sample that far is beyond the data, its exit is asked.
+                    float found = min(vertices > 0 ? eye.y - nearer.y : exit, floor(exit));
                     Slope slope = NO_HORIZON;
                     bool measured = false;
                     for (int i = FIRST_MEASURED; i <= 1; ++i)
                     {
                         float away = found + float(i);
-                        bool onRay = vertices > 0 && away > float(reach) && away < exit + 1.0 &&
+                        bool onRay = away > float(reach) && away < exit + 1.0 &&
                                      away <= float(walked);
                         Slope met = slopeAtStep(heights, post + frame, eye.x,
                                                 north ? ivec2(0, look) : ivec2(look, 0),
