@@ -104,11 +104,18 @@ std::vector<Compared> compareSun(const Truth& truth, const Found& found)
 
 std::vector<Compared> compareLight(const Truth& truth, const Found& found)
 {
+    // A few posts would make the sun's rare and big errors chance; so all are compared, and those
+    // without a sky of their own borrow the sky's error of one that has.
     std::vector<Compared> values;
-    for (std::size_t i = 0; i < truth.skyPosts; ++i)
+    const auto skyView = [&](std::size_t i)
+    { return static_cast<double>(found.sky.at(truth.posts[i].column, truth.posts[i].row)); };
+    for (std::size_t i = 0; i < truth.posts.size(); ++i)
     {
+        const std::size_t lender = i % truth.skyPosts;
+        const double sky = skyView(i) - (skyView(lender) - truth.sky[lender]);
         const osg::Vec4f& c = found.shading.at(truth.posts[i].column, truth.posts[i].row);
-        values.push_back({luminance({c.r(), c.g(), c.b()}), truth.light[i]});
+        values.push_back({luminance({c.r(), c.g(), c.b()}),
+                          truth.skyLuminance * sky + truth.sunlight[i] * truth.sun[i]});
     }
     return values;
 }
@@ -133,7 +140,8 @@ Truth findTruth(const DemTile& tile, const SkyLight& sky, const std::vector<int>
     truth.skyPosts = std::min(skyPosts, truth.posts.size());
     truth.sun.resize(truth.posts.size());
     truth.sky.resize(truth.skyPosts);
-    truth.light.resize(truth.skyPosts);
+    truth.sunlight.resize(truth.posts.size());
+    truth.skyLuminance = luminance(sky.skyRadiance);
     for (const int count : azimuthCounts)
         if (std::none_of(azimuthCounts.begin(), azimuthCounts.end(),
                          [&](int other) { return other > count && other % count == 0; }))
@@ -148,16 +156,15 @@ Truth findTruth(const DemTile& tile, const SkyLight& sky, const std::vector<int>
         const auto [column, row] = truth.posts[i];
         truth.sun[i] = reference::sunFraction(tile, column, row, sun, Truth::sunStrips,
                                               reference::SkyExtent::AboveHorizontal, options);
+        const reference::Vector3 normal = reference::surfaceNormal(tile, column, row);
+        const double facing =
+            normal[0] * towardsSun[0] + normal[1] * towardsSun[1] + normal[2] * towardsSun[2];
+        truth.sunlight[i] = luminance(sky.sunIrradiance) * std::max(facing, 0.0) / pi;
         if (i >= truth.skyPosts)
             return;
-        const reference::Vector3 normal = reference::surfaceNormal(tile, column, row);
         truth.sky[i] = reference::skyViewFactor(
             reference::horizonRing(tile, column, row, Truth::skyAzimuths, 0.5, options),
             reference::SkyViewDefinition::Surface, normal);
-        const double facing =
-            normal[0] * towardsSun[0] + normal[1] * towardsSun[1] + normal[2] * towardsSun[2];
-        truth.light[i] = luminance(sky.skyRadiance) * truth.sky[i] +
-                         luminance(sky.sunIrradiance) * truth.sun[i] * std::max(facing, 0.0) / pi;
         for (auto& [count, elevations] : truth.horizons)
         {
             const AzimuthSet azimuths(count);

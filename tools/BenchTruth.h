@@ -28,9 +28,10 @@ struct Truth
 
     std::vector<Post> posts;
     std::size_t skyPosts = 0;
-    std::vector<double> sun;   ///< visible fraction of the disc
-    std::vector<double> sky;   ///< sky-view factor, definition `surface`
-    std::vector<double> light; ///< luminance of the shading texture's rgb
+    std::vector<double> sun;      ///< visible fraction of the disc
+    std::vector<double> sky;      ///< sky-view factor, definition `surface`
+    double skyLuminance = 0.0;    ///< radiance of the sky
+    std::vector<double> sunlight; ///< luminance where the whole disc is seen, all posts
     /// Horizon elevation [degrees], clamped at 0, post by post, by azimuth count. A count that
     /// divides another has no entry of its own.
     std::map<int, std::vector<double>> horizons;

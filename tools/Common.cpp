@@ -1,7 +1,6 @@
 #include "Common.h"
 
 #include "gpu/passes/HorizonPass.h"
-#include "scene/SettingsTrial.h"
 
 #include <cpl_conv.h>
 #include <cpl_string.h>
@@ -75,13 +74,13 @@ CLI::Option* addCheckedNumbers(CLI::App& app, const std::string& option,
 
 /// Where a budget is given: chooses lit.settings by measurement. An error where none meets it.
 Status choose(LitTile& lit, const RasterOptions& options, const SkyLight& sky,
-              std::optional<SkyViewDefinition> skyView, Progress& progress)
+              SettingsTrial::Product product, SkyViewDefinition definition, Progress& progress)
 {
     if (!options.maxError && !options.maxMilliseconds)
         return Nothing{};
     osg::State& state = lit.gpu.state();
     Result<SettingsTrial> trial =
-        SettingsTrial::create(state, lit.dem.tile, sky, skyView,
+        SettingsTrial::create(state, lit.dem.tile, sky, product, definition,
                               [&progress](double fraction)
                               { progress.reach(readEnd + (trialEnd - readEnd) * fraction); });
     if (!trial)
@@ -97,10 +96,13 @@ Status choose(LitTile& lit, const RasterOptions& options, const SkyLight& sky,
             "--max-error " + text(*options.maxError) +
                 CPLSPrintf(": the most exact settings reach %.3g on this terrain", choice->error)};
     if (!choice->met)
-        return Error{ErrorCode::NotSupported,
-                     "--max-ms " + text(*options.maxMilliseconds) +
-                         CPLSPrintf(": the fastest settings need %.3g ms for this raster",
-                                    choice->milliseconds)};
+        return Error{
+            ErrorCode::NotSupported,
+            "--max-ms " + text(*options.maxMilliseconds) +
+                CPLSPrintf(
+                    ": the fastest settings tried (%s, %d azimuths) need %.3g ms for this raster",
+                    toString(choice->settings.quality), choice->settings.azimuths,
+                    choice->milliseconds)};
     lit.choice = *choice;
     lit.settings = choice->settings;
     return Nothing{};
@@ -515,7 +517,7 @@ RasterWriteOptions writeOptions(const OutputOptions& output, const Metadata& met
 }
 
 Status process(const std::string& mode, const RasterOptions& options, const SkyLight& sky,
-               std::optional<SkyViewDefinition> skyView, int bands,
+               SettingsTrial::Product product, SkyViewDefinition definition, int bands,
                const std::function<Status(LitTile&, Progress&)>& write)
 {
     const std::string& path = options.input;
@@ -549,10 +551,9 @@ Status process(const std::string& mode, const RasterOptions& options, const SkyL
         return dem.error();
     lit.dem = std::move(*dem);
     lit.settings = options.settings;
-    if (Status chosen = choose(lit, options, sky, skyView, progress); !chosen)
+    if (Status chosen = choose(lit, options, sky, product, definition, progress); !chosen)
         return Error{chosen.error().code, path + ": " + chosen.error().message};
-    if (Status computed = compute(lit, sky, skyView.value_or(SkyViewDefinition::Surface), progress);
-        !computed)
+    if (Status computed = compute(lit, sky, definition, progress); !computed)
         return Error{computed.error().code, path + ": " + computed.error().message};
     if (Status written = write(lit, progress); !written)
         return written;

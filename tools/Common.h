@@ -10,6 +10,7 @@
 #include "gpu/HeadlessContext.h"
 #include "io/DemReader.h"
 #include "io/RasterWriter.h"
+#include "scene/SettingsTrial.h"
 #include "scene/TileLighting.h"
 
 #include <CLI/CLI.hpp>
@@ -179,10 +180,10 @@ void add(Metadata& metadata, const std::string& name, const std::string& value);
 void addSun(Metadata& metadata, const SkyLight& sky);
 
 /// Reads, computes, calls write, prints the summary. Before heights are read it makes sure that the
-/// output can be written; bands: of floats, 0 for a picture or EXR file. skyView: the definition
-/// where write wants the sky-view factor and not the shading.
+/// output can be written; bands: of floats, 0 for a picture or EXR file. product: what
+/// write wants.
 Status process(const std::string& mode, const RasterOptions& options, const SkyLight& sky,
-               std::optional<SkyViewDefinition> skyView, int bands,
+               SettingsTrial::Product product, SkyViewDefinition definition, int bands,
                const std::function<Status(LitTile&, Progress&)>& write);
 
 /// Writes band after band from values(band), band = 1 …, called once each, in tile order.

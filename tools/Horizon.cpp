@@ -37,7 +37,8 @@ Status run(const RasterOptions& options)
                           progress,
                           [&](int band) { return bandOf(map, azimuths.indexOfBand(band - 1)); });
     };
-    return process("horizon", options, sky, std::nullopt, azimuths.count(), write);
+    return process("horizon", options, sky, SettingsTrial::Product::Shading,
+                   SkyViewDefinition::Surface, azimuths.count(), write);
 }
 
 } // namespace

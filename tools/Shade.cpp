@@ -134,7 +134,8 @@ Status run(const Options& options)
         return writeFloats(options, metadata, lit, shading, progress);
     };
     const int bands = isExr(options.output) || isPicture(options.output) ? 0 : 4;
-    return process("shade", options, options.sky, std::nullopt, bands, write);
+    return process("shade", options, options.sky, SettingsTrial::Product::Shading,
+                   SkyViewDefinition::Surface, bands, write);
 }
 
 } // namespace

@@ -35,7 +35,8 @@ Status run(const Options& options)
         return writeBands(options.output, lit.dem.frame, {label}, metadata, progress,
                           [&](int) { return values(lit); });
     };
-    return process("shadow", options, options.sky, std::nullopt, 1, write);
+    return process("shadow", options, options.sky, SettingsTrial::Product::SunFraction,
+                   SkyViewDefinition::Surface, 1, write);
 }
 
 } // namespace

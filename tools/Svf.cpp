@@ -29,7 +29,8 @@ Status run(const Options& options)
             options.output, lit.dem.frame, {{"sky-view factor (" + options.definition + ")", ""}},
             metadata, progress, [&](int) { return lit.lighting->readSkyView(lit.gpu.state()); });
     };
-    return process("svf", options, sky, definitionOf(options.definition), 1, write);
+    return process("svf", options, sky, SettingsTrial::Product::SkyView,
+                   definitionOf(options.definition), 1, write);
 }
 
 } // namespace

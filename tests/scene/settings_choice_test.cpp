@@ -108,18 +108,21 @@ struct Unseen
     SkyLight sky;
 };
 
-/// Twenty terrains: kinds, sizes, slopes, spacings and suns that chose nothing in the library.
+/// Twenty terrains: kinds, sizes, slopes, spacings and suns that chose nothing in the library. Nine
+/// are hard: cliffs, walls and spikes of one post, suns at 5° to 12°, a disc of 3°.
 std::vector<Unseen> unseenTerrains()
 {
     std::vector<Unseen> all;
-    const auto add = [&all](const std::string& name, DemTile tile, double azimuth, double elevation)
+    const auto add = [&all](const std::string& name, DemTile tile, double azimuth, double elevation,
+                            double radius = 0.2666)
     {
         SkyLight sky;
         sky.sunAzimuth = azimuth;
         sky.sunElevation = elevation;
+        sky.sunAngularRadius = radius;
         all.push_back({name, std::move(tile), sky});
     };
-    for (unsigned seed = 201; seed <= 212; ++seed)
+    for (unsigned seed = 201; seed <= 208; ++seed)
     {
         const int width = 120 + static_cast<int>(seed * 37 % 90);
         const int height = 110 + static_cast<int>(seed * 53 % 100);
@@ -128,24 +131,32 @@ std::vector<Unseen> unseenTerrains()
         for (int row = 0; row < height; ++row)
             for (int column = 0; column < width; ++column)
                 tile.setHeight(column, row, stretch * tile.heightAt(column, row));
-        add("fractal " + std::to_string(seed), std::move(tile), seed * 31.0,
-            20.0 + seed % 5 * 10.0);
+        add("fractal " + std::to_string(seed), std::move(tile), seed * 31.0, 5.0 + seed % 5 * 12.0,
+            seed == 203 ? 3.0 : 0.2666);
     }
+    for (unsigned seed : {211u, 212u, 213u, 214u})
+        add("cliffs " + std::to_string(seed),
+            generateTerrain(TerrainKind::Cliffs, 170, 150, 30.0, seed).value(), seed * 77.0,
+            12.0 + seed % 4 * 12.0);
+    for (unsigned seed : {221u, 222u})
+        add("spikes " + std::to_string(seed),
+            generateTerrain(TerrainKind::Spikes, 160, 140, 30.0, seed).value(), seed * 7.0,
+            seed == 221 ? 10.0 : 40.0);
     for (unsigned seed : {301u, 302u})
         add("crater " + std::to_string(seed),
-            generateTerrain(TerrainKind::Crater, 180, 150, 5.0, seed).value(), seed * 1.7, 15.0);
+            generateTerrain(TerrainKind::Crater, 180, 150, 5.0, seed).value(), seed * 1.7, 9.0);
     const Result<DemFile> real = readDem(OTL_SOURCE_DIR "/samples/data/jacksboro_90m.tif");
     EXPECT_TRUE(real) << (real ? "" : real.error().message);
-    for (int part = 0; real && part < 6; ++part)
+    for (int part = 0; real && part < 4; ++part) // four quarters
     {
-        DemTile tile(160, 160, 90.0);
-        for (int row = 0; row < 160; ++row)
-            for (int column = 0; column < 160; ++column)
+        DemTile tile(200, 170, 90.0);
+        for (int row = 0; row < 170; ++row)
+            for (int column = 0; column < 200; ++column)
                 tile.setHeight(
                     column, row,
-                    real->tile.heightAt(column + 70 * (part % 3), row + 140 * (part / 3)));
+                    real->tile.heightAt(column + 200 * (part % 2), row + 170 * (part / 2)));
         add("Jacksboro " + std::to_string(part), std::move(tile), 60.0 * part + 10.0,
-            25.0 + 5.0 * part);
+            6.0 + 8.0 * part);
     }
     return all;
 }
@@ -158,6 +169,7 @@ TEST(SettingsChoice, KeepsAMaximumErrorOnTerrainItNeverSaw)
     const std::vector<Unseen> terrains = unseenTerrains();
     ASSERT_EQ(terrains.size(), 20u);
     std::map<double, int> met, kept;
+    int cheapestMisses = 0;
     for (const Unseen& unseen : terrains)
     {
         Result<SettingsTrial> trial = SettingsTrial::create(state, unseen.tile, unseen.sky);
@@ -172,6 +184,7 @@ TEST(SettingsChoice, KeepsAMaximumErrorOnTerrainItNeverSaw)
                 std::printf("%g %-14s not met: %.5f\n", wanted, unseen.name.c_str(), choice->error);
                 continue;
             }
+            EXPECT_LE(choice->error, wanted);
             const double error = trueError(state, unseen.tile, unseen.sky, choice->settings).value;
             ++met[wanted];
             kept[wanted] += error <= wanted ? 1 : 0;
@@ -179,7 +192,6 @@ TEST(SettingsChoice, KeepsAMaximumErrorOnTerrainItNeverSaw)
                         unseen.name.c_str(), toString(choice->settings.quality),
                         choice->settings.azimuths, choice->error, error,
                         error <= wanted ? "" : " MISSED");
-            EXPECT_LE(choice->error, wanted);
             if (wanted != 0.01)
                 continue;
             LightingSettings exact;
@@ -188,16 +200,25 @@ TEST(SettingsChoice, KeepsAMaximumErrorOnTerrainItNeverSaw)
             const Result<SettingsChoice> dear = trial->measure(state, exact, 1);
             ASSERT_TRUE(dear) << dear.error().message;
             EXPECT_LE(2.0 * choice->milliseconds, dear->milliseconds) << unseen.name;
+            LightingSettings cheapest;
+            cheapest.quality = HorizonQuality::Draft;
+            cheapest.azimuths = 8;
+            if (choice->settings.azimuths > 8 || choice->settings.quality != cheapest.quality)
+                cheapestMisses +=
+                    trueError(state, unseen.tile, unseen.sky, cheapest).value > wanted ? 1 : 0;
         }
     }
     for (const auto& [wanted, count] : met)
         std::printf("%g: met on %d of %zu, kept on %d\n", wanted, count, terrains.size(),
                     kept[wanted]);
-    // 1 % is promised to be found, and what is found to hold on 95 % of terrains.
+    std::printf("0.01: the cheapest settings miss on %d\n", cheapestMisses);
+    // 1 % is promised to be found, and what is found to hold on 95 % of terrains. That needs a
+    // choice: no one setting would do.
     EXPECT_GE(met[0.01], 19);
-    EXPECT_GE(met[0.002], 15);
-    for (const auto& [wanted, count] : met)
-        EXPECT_GE(kept[wanted], 0.95 * count) << wanted;
+    EXPECT_GE(kept[0.01], 19);
+    EXPECT_GE(kept[0.002], 0.95 * met[0.002]);
+    EXPECT_GE(met[0.002], 10);
+    EXPECT_GE(cheapestMisses, 4);
 }
 
 TEST(SettingsChoice, MeasuredErrorIsTheTrueOnesBound)

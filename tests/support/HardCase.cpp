@@ -623,9 +623,8 @@ public:
         const double angle = decodeError + 2.0 * u * std::abs(sky.sunElevation) / radian;
         const double fractionRounding = 2.0 / pi * angle / radius + (2e-8 + 4.0 * u) / pi + 8.0 * u;
         const double defect = stripDefect();
-        // One unit of a half float: which way an image store rounds is the driver's choice, and
-        // some cut off.
-        constexpr double half = 1.0 / 1024.0;
+        // Half a unit of a half float, to which the shader rounds.
+        constexpr double half = 1.0 / 2048.0;
         reference::HorizonOptions options;
         options.highest = _relief.highest;
         for (int y = 0; y < _tile.height(); ++y)

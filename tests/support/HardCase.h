@@ -42,15 +42,15 @@
 /// ray meets a void, the line beside it may speak, but not of more than the highest post, `reach` +
 /// 1 steps away.
 ///
-/// Below: nothing is lost where S <= insideReach. Else the ray is sampled where it crosses columns:
-/// at c, w = |S - c| <= 1/2 steps from S (or the step before where the data ends between), the
-/// slope is lower by at most w(Dmajor + t·Dminor + |R|)/c. Where c > reach, a line p posts beside
-/// the ray says where to look. Its height at equal s differs from the ray's by at most p·Dminor; so
-/// where its own highest slope is at s', g(s') >= g(c) - p·Dminor(1/c + 1/s'), s' > reach. p = 0
-/// along the axes and the diagonals of square cells, where lines run through posts; else 1/2, or
-/// 1/4 where lines are twice as dense. That holds where the line stays in the data as long as the
-/// ray could: rays that leave by the side, run along a border or meet a void are bounded from above
-/// only.
+/// Below: nothing is lost where S <= insideReach. Else it is enough to take the ray as sampled
+/// where it crosses columns (rows are crossed too, which can only raise what is found): at c, w =
+/// |S - c| <= 1/2 steps from S (or the step before where the data ends between), the slope is lower
+/// by at most w(Dmajor + t·Dminor + |R|)/c. Where c > reach, a line p posts beside the ray says
+/// where to look. Its height at equal s differs from the ray's by at most p·Dminor; so where its
+/// own highest slope is at s', g(s') >= g(c) - p·Dminor(1/c + 1/s'), s' > reach. p = 0 along the
+/// axes and the diagonals of square cells, where lines run through posts; else 1/2, or 1/4 where
+/// lines are twice as dense. That holds where the line stays in the data as long as the ray could:
+/// rays that leave by the side, run along a border or meet a void are bounded from above only.
 ///
 /// All that is in slopes; elevations follow by the arc tangent, plus half a code, 0.0014 degrees.
 namespace osgTerrainLight::hard

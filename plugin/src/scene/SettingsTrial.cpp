@@ -95,15 +95,17 @@ double median(std::vector<double> values)
 } // namespace
 
 Result<SettingsTrial> SettingsTrial::create(osg::State& state, const DemTile& tile,
-                                            const SkyLight& sky,
-                                            std::optional<SkyViewDefinition> skyView,
+                                            const SkyLight& sky, Product product,
+                                            SkyViewDefinition definition,
                                             std::function<void(double)> progress)
 {
     SettingsTrial trial;
     trial._tile = tile;
     trial._sky = sky;
-    assert(!skyView || (sky.skyEnabled && !sky.sunEnabled));
-    trial._skyView = skyView;
+    trial._product = product;
+    trial._definition = definition;
+    assert(product != Product::SkyView || (sky.skyEnabled && !sky.sunEnabled));
+    assert(product != Product::SunFraction || (!sky.skyEnabled && sky.sunEnabled));
     trial._progress = std::move(progress);
     std::vector<TilePost> valid;
     for (int row = 0; row < tile.height(); ++row)
@@ -138,7 +140,7 @@ Result<SettingsTrial> SettingsTrial::create(osg::State& state, const DemTile& ti
         trial._denseSky = trial.exactSky(denseAzimuths);
     }
     trial._progress(0.15);
-    if (!skyView)
+    if (product != Product::SkyView)
     {
         trial._sunPosts = draw(sunPostCount);
         trial._sunFraction.assign(sunPostCount, 0.0);
@@ -200,7 +202,7 @@ std::vector<double> SettingsTrial::exactSky(int azimuths) const
             sum += Glsl<double>().skySlice(
                 _elevations.at(static_cast<int>(p), k * (denseAzimuths / azimuths)),
                 {n[0], n[1], n[2]}, std::cos(width * k), std::sin(width * k), width,
-                static_cast<int>(definition()));
+                static_cast<int>(_definition));
         view.push_back(sum);
     }
     return view;
@@ -210,7 +212,7 @@ Result<SettingsTrial::Run> SettingsTrial::run(osg::State& state, const LightingS
                                               int repeats) const
 {
     const osg::ref_ptr<TileLighting> lighting =
-        new TileLighting(_tile, settings, _sky, definition());
+        new TileLighting(_tile, settings, _sky, _definition);
     lighting->setTimed(true);
     Run result;
     std::vector<double> sky, rest;
@@ -243,13 +245,18 @@ Result<SettingsTrial::Run> SettingsTrial::run(osg::State& state, const LightingS
     { return skyLuminance * static_cast<double>(view.at(post.column, post.row)); };
     for (std::size_t p = 0; p < _skyPosts.size(); ++p)
         result.skyErrors.push_back(skyLight(_skyPosts[p]) - skyLuminance * _denseSky[p]);
-    for (std::size_t p = 0; p < _sunPosts.size(); ++p)
+    const auto fraction = [&](const TilePost& post)
+    { return static_cast<double>(shading.at(post.column, post.row).a()); };
+    for (std::size_t p = 0; _product == Product::SunFraction && p < _sunPosts.size(); ++p)
+        result.restErrors.push_back(fraction(_sunPosts[p]) - _sunFraction[p]);
+    for (std::size_t p = 0; _product == Product::Shading && p < _sunPosts.size(); ++p)
         result.restErrors.push_back(luminance(shading.at(_sunPosts[p].column, _sunPosts[p].row)) -
                                     skyLight(_sunPosts[p]) - _sunWeights[p] * _sunFraction[p]);
     const double valid = static_cast<double>(_tile.validCount());
     for (const osg::Vec4f& c : shading.values())
     {
-        const double y = luminance(c);
+        const double y =
+            _product == Product::SunFraction ? static_cast<double>(c.a()) : luminance(c);
         result.meanSquare += y * y / valid;
     }
     lighting->releaseGLObjects(&state);

@@ -14,7 +14,6 @@
 
 #include <functional>
 #include <map>
-#include <optional>
 #include <vector>
 
 namespace osgTerrainLight
@@ -33,12 +32,19 @@ namespace osgTerrainLight
 class OSGTERRAINLIGHT_EXPORT SettingsTrial
 {
 public:
-    /// skyView: where given, what matters is not the shading but the sky-view factor of that
-    /// definition; the light is then a sky alone. progress: called with fractions done, 0 … 1. An
-    /// error where the tile has no valid post.
+    /// What errors are of.
+    enum class Product
+    {
+        Shading,    ///< luminance
+        SkyView,    ///< the factor; the light is then a sky alone
+        SunFraction ///< the visible fraction of the disc; the light is then a sun alone
+    };
+
+    /// progress: called with fractions done, 0 … 1. An error where the tile has no valid post.
     static Result<SettingsTrial> create(
         osg::State& state, const DemTile& tile, const SkyLight& sky,
-        std::optional<SkyViewDefinition> skyView = std::nullopt,
+        Product product = Product::Shading,
+        SkyViewDefinition definition = SkyViewDefinition::Surface,
         std::function<void(double)> progress = [](double) {});
 
     /// As LightingSettings::forMaxError and forFrameTime; what is not chosen is taken from `base`.
@@ -52,7 +58,6 @@ public:
                                    int repeats = 3);
 
 private:
-    SkyViewDefinition definition() const { return _skyView.value_or(SkyViewDefinition::Surface); }
     /// Sky-view factor of each sky post from `azimuths` of the exhaustive horizons.
     std::vector<double> exactSky(int azimuths) const;
     struct Run
@@ -81,7 +86,8 @@ private:
 
     DemTile _tile;
     SkyLight _sky;
-    std::optional<SkyViewDefinition> _skyView;
+    Product _product = Product::Shading;
+    SkyViewDefinition _definition = SkyViewDefinition::Surface;
     std::function<void(double)> _progress;
 
     std::vector<TilePost> _skyPosts, _sunPosts;

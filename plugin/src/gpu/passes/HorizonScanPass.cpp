@@ -19,6 +19,7 @@ Result<Raster<double>> scanHorizons(osg::State& state, const DemTile& tile,
     constexpr int frame = 2;
     // Directions of one dispatch, so that none keeps the GPU for long.
     constexpr int batch = 64;
+    assert(posts.size() <= 16384);
     const int postCount = static_cast<int>(posts.size());
     Raster<float> postTable(2, postCount);
     for (int i = 0; i < postCount; ++i)

@@ -23,7 +23,7 @@ struct TilePost
 
 /// Horizons of some valid posts in some directions by exhaustive scan on the GPU, in float: exact
 /// for the bilinear surface but for rounding. Returns tangents of the elevation, one row per
-/// direction, one column per post, −1e30 or less where nothing lies ahead. At most 16384 of either.
+/// direction, one column per post, −1e30 or less where nothing lies ahead. At most 16384 posts.
 /// Needs a current context.
 OSGTERRAINLIGHT_EXPORT Result<Raster<double>>
 scanHorizons(osg::State& state, const DemTile& tile, const std::vector<TilePost>& posts,
