@@ -81,18 +81,19 @@ Errors do not depend on the machine, but for its rounding.
 ## What to choose
 
 **Azimuths buy sky, quality buys horizons and shadows; neither stands in for the other.** The sky-view factor's error falls
-to about a third with each doubling of the azimuths, some 0.5 % at 8, 0.15 % at 16, 0.06 % at 32 and 0.025 % at 64
+to about a third with each doubling of the azimuths, some 0.5 to 0.7 % at 8, 0.2 % at 16, 0.06 % at 32 and 0.025 % at 64
 on mountains, and is the same for all three qualities: so many azimuths at `draft` are the cheapest good sky.
 The horizons' own error depends on quality; few azimuths only seem better, since they lie on axes and diagonals, which are
-easiest. Time goes with the number of azimuths, `normal` costs 10 to 30 % more than `draft`, and `best` about twice as
-much. A horizon map for analysis is worth `best`; light is not.
+easiest. Time goes with the number of azimuths; `normal` costs 15 to 45 % more than `draft`, most with few azimuths, where
+the sun's finer horizon counts, and `best` two to two and a half times as much as `draft`.
 
-**In the light that one sees, what is wrong from 16 azimuths on is the sun**: a few posts at the edges of shadows, at
-`draft` also behind crests that were missed. They hold the error of the shading at 0.17 to 0.6 % with `draft` and 0.02 to
-0.18 % with `normal`, however many azimuths follow; `best` adds nothing that shows. So `normal` with 16 azimuths is the place
-to start, 32 (the default) if the sky is to be right within 0.1 %, and 8 while something moves. Cliffs, walls and
-one-post spikes raise all of it five- to tenfold, whatever the settings. The last 0.02 % are the shading texture's 16-bit floats,
-which no setting changes. A lower sun than this one makes more shadows to be wrong in, and a plain fewer: measure your
+**In the light that one sees, the sun limits `draft` and the sky limits `normal`.** With `draft` a few posts on the wrong
+side of a shadow's edge hold the error of the shading at 0.1 % on hills and 0.3 % on mountains, however many azimuths
+follow. With `normal` it goes on falling: 0.04 to 0.15 % with 16 azimuths, 0.02 to 0.11 % with 32, the default; `best` takes
+up to half of that away, at nearly twice the time, and is for horizon maps and cliffs. So `normal` with 16 azimuths is the
+place to start, and `draft` with 8 while something moves. Cliffs, walls and one-post spikes raise the
+shading's error to 0.65 % with 16 azimuths and 0.4 % with 32. The last 0.02 % are the shading texture's 16-bit floats, which
+no setting changes. A lower sun than this one makes more shadows to be wrong in, and a plain fewer: measure your
 own terrain and machine with `terrainlight bench`, or let `--max-error` and `--max-ms` choose.
 
 MARKDOWN

@@ -61,7 +61,6 @@ mutate near-step-length passes/horizon_near.comp 's/found\.slopes\[i\] \/ stepLe
 mutate sweep-reach passes/horizon_sweep.comp 's/walked - reach - 1/walked - reach - 2/'
 mutate sweep-look passes/horizon_sweep.comp 's/look > 0 \? high : low/high/'
 mutate sweep-exit passes/horizon_sweep.comp 's/, floor\(exit\)\);/, 1.0e9);/'
-mutate sweep-rows lib/horizon.glsl 's/return crosses && .isVoid\(rise\) \?.*/return slope;/'
 mutate shade-half passes/shade.comp 's/bits \+ 0x1000u/bits/'
 mutate sun-side lib/sky.glsl 's/place < real\(0\.0\) \? left : right/left/'
 mutate sweep-drift passes/horizon_sweep.comp 's/float turn = drift \* float\(look\)/float turn = drift/'
