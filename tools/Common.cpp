@@ -72,6 +72,13 @@ CLI::Option* addCheckedNumbers(CLI::App& app, const std::string& option,
     return app.add_option_function<std::string>(option, read, help)->type_name(typeName);
 }
 
+/// For people. azimuths: whether they matter.
+std::string named(const LightingSettings& settings, bool azimuths)
+{
+    return std::string("quality ") + toString(settings.quality) +
+           (azimuths ? ", " + std::to_string(settings.azimuths) + " azimuths" : "");
+}
+
 /// Where a budget is given: chooses lit.settings by measurement. An error where none meets it.
 Status choose(LitTile& lit, const RasterOptions& options, const SkyLight& sky,
               SettingsTrial::Product product, SkyViewDefinition definition, Progress& progress)
@@ -91,18 +98,17 @@ Status choose(LitTile& lit, const RasterOptions& options, const SkyLight& sky,
     if (!choice)
         return choice.error();
     if (!choice->met && options.maxError)
-        return Error{
-            ErrorCode::NotSupported,
-            "--max-error " + text(*options.maxError) +
-                CPLSPrintf(": the most exact settings reach %.3g on this terrain", choice->error)};
+        return Error{ErrorCode::NotSupported,
+                     "--max-error " + text(*options.maxError) +
+                         ": the most exact settings tried (" +
+                         named(choice->settings, sky.skyEnabled) +
+                         CPLSPrintf(") reach %.3g on this terrain", choice->error)};
     if (!choice->met)
-        return Error{
-            ErrorCode::NotSupported,
-            "--max-ms " + text(*options.maxMilliseconds) +
-                CPLSPrintf(
-                    ": the fastest settings tried (%s, %d azimuths) need %.3g ms for this raster",
-                    toString(choice->settings.quality), choice->settings.azimuths,
-                    choice->milliseconds)};
+        return Error{ErrorCode::NotSupported,
+                     "--max-ms " + text(*options.maxMilliseconds) +
+                         ": the fastest settings tried (" +
+                         named(choice->settings, sky.skyEnabled) +
+                         CPLSPrintf(") need %.3g ms for this raster", choice->milliseconds)};
     lit.choice = *choice;
     lit.settings = choice->settings;
     return Nothing{};
@@ -139,9 +145,8 @@ void summarise(const std::string& mode, const LitTile& lit)
 {
     const double posts = static_cast<double>(lit.dem.tile.postCount());
     if (lit.choice)
-        std::cout << mode << ": chosen: quality " << toString(lit.settings.quality)
-                  << (lit.azimuths > 1 ? ", " + std::to_string(lit.settings.azimuths) + " azimuths"
-                                       : "")
+        std::cout << mode
+                  << ": chosen: " << named(lit.settings, lit.azimuths > TileLighting::sunAzimuths)
                   << CPLSPrintf("; measured error at most %.2g, %.3g ms", lit.choice->error,
                                 lit.choice->milliseconds)
                   << "\n";

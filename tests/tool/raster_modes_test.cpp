@@ -216,7 +216,7 @@ TEST_F(RasterModes, ShadeMetadataAndCreationOptions)
                                quick);
     ASSERT_EQ(result.status, 0) << result.err;
     expectProgress(result.out);
-    EXPECT_NE(result.out.find("shade: 5000 posts, 9 azimuths, "), std::string::npos) << result.out;
+    EXPECT_NE(result.out.find("shade: 5000 posts, 11 azimuths, "), std::string::npos) << result.out;
     const ReadRaster raster(path("s.tif"));
     const ReadRaster input(jacksboro);
     EXPECT_EQ(raster.width, 100);
