@@ -1,6 +1,7 @@
 #include "BenchTruth.h"
 
 #include "core/AzimuthSet.h"
+#include "core/Luminance.h"
 #include "reference/ReferenceLight.h"
 
 #include <algorithm>
@@ -16,17 +17,6 @@ namespace
 {
 
 constexpr double pi = 3.14159265358979323846;
-
-double luminance(double red, double green, double blue)
-{
-    return 0.2126 * red + 0.7152 * green + 0.0722 * blue; // ITU-R BT.709
-}
-
-double luminance(const Rgb& c)
-{
-    return luminance(static_cast<double>(c[0]), static_cast<double>(c[1]),
-                     static_cast<double>(c[2]));
-}
 
 /// Different valid posts in random order: the first of a longer list are the shorter one's. mt19937
 /// and the remainder, unlike the standard distributions, are the same everywhere.

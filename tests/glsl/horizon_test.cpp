@@ -1,4 +1,5 @@
 #include "reference/ExhaustiveHorizon.h"
+#include "support/FramedHeights.h"
 #include "support/Precisions.h"
 
 #include <gtest/gtest.h>
@@ -48,19 +49,6 @@ DemTile randomTile(int width, int height, double level, double relief, double vo
 
 constexpr int frame = 52;
 
-/// Void frame and void posts as in a height texture.
-template <class Real>
-Raster<Real> framed(const DemTile& tile)
-{
-    Raster<Real> heights(tile.width() + 2 * frame, tile.height() + 2 * frame,
-                         Glsl<Real>::VOID_HEIGHT);
-    for (int y = 0; y < tile.height(); ++y)
-        for (int x = 0; x < tile.width(); ++x)
-            if (tile.isValid(x, y))
-                heights.at(x + frame, y + frame) = static_cast<Real>(tile.heightAt(x, y));
-    return heights;
-}
-
 /// Which way a ray goes: its major axis and the two signs.
 struct Octant
 {
@@ -90,7 +78,7 @@ void forEachHorizon(const DemTile& tile, const Octant& octant, Real tangent, int
 {
     using G = Glsl<Real>;
     G glsl;
-    const Raster<Real> heights = framed<Real>(tile);
+    const Raster<Real> heights = framedHeights<Real>(tile, frame);
     const int breadth = octant.north ? tile.width() : tile.height();
     const int along = octant.north ? tile.height() : tile.width();
     for (int block = 0; block < breadth; block += G::NEAR_POSTS)
@@ -335,7 +323,7 @@ TYPED_TEST(HorizonFunctions, HorizonAlongRayIsTheHighestSampleOfTheSurface)
     for (const double voids : {0.0, 0.1})
     {
         const DemTile tile = randomTile(21, 13, -20.0, relief, voids, 2);
-        const Raster<TypeParam> heights = framed<TypeParam>(tile);
+        const Raster<TypeParam> heights = framedHeights<TypeParam>(tile, frame);
         for (const Octant& octant : octants())
             for (const double wanted : tangents)
             {
@@ -371,7 +359,7 @@ TYPED_TEST(HorizonFunctions, SlopeAtStepMeetsEveryColumnAndRow)
     for (const double voids : {0.0, 0.1})
     {
         const DemTile tile = randomTile(21, 13, -20.0, relief, voids, 3);
-        const Raster<TypeParam> heights = framed<TypeParam>(tile);
+        const Raster<TypeParam> heights = framedHeights<TypeParam>(tile, frame);
         for (const Octant& octant : octants())
             for (const double wanted : tangents)
             {

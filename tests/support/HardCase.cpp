@@ -1,5 +1,7 @@
 #include "support/HardCase.h"
 
+#include "support/FramedHeights.h"
+
 #include "core/Raster.h"
 #include "gpu/passes/HorizonPass.h"
 #include "io/DemReader.h"
@@ -300,19 +302,8 @@ double skyViewOf(const std::vector<double>& elevations, const reference::Vector3
     return sum / pi;
 }
 
-/// Heights as in a texture: framed by voids, as far as a block of eight rays of eight steps reads.
+/// As far as a block of eight rays of eight steps reads beyond the tile.
 constexpr int frame = 20;
-template <class Real>
-Raster<Real> framedHeights(const DemTile& tile)
-{
-    Raster<Real> heights(tile.width() + 2 * frame, tile.height() + 2 * frame,
-                         Glsl<Real>::VOID_HEIGHT);
-    for (int y = 0; y < tile.height(); ++y)
-        for (int x = 0; x < tile.width(); ++x)
-            if (tile.isValid(x, y))
-                heights.at(x + frame, y + frame) = static_cast<Real>(tile.heightAt(x, y));
-    return heights;
-}
 
 /// How far rounding may move a normal. Each of up to four differences and their sum take four
 /// roundings, products one more, the root and quotient of normalize five: u(6K + 5), where the
@@ -350,8 +341,8 @@ double normalRounding(const DemTile& tile, int column, int row)
 void checkConditioning(const HardCase& hardCase, const Relief& relief)
 {
     const DemTile& tile = hardCase.tile;
-    const Raster<float> heights = framedHeights<float>(tile);
-    const Raster<double> exact = framedHeights<double>(tile);
+    const Raster<float> heights = framedHeights<float>(tile, frame);
+    const Raster<double> exact = framedHeights<double>(tile, frame);
     Glsl<float> single;
     Glsl<double> twofold;
     const auto at = [](int x, int y)

@@ -1,6 +1,7 @@
 #include "scene/SettingsTrial.h"
 
 #include "core/AzimuthSet.h"
+#include "core/Luminance.h"
 #include "glsl_host.h"
 #include "gpu/GlConstants.h"
 #include "gpu/GpuCapabilities.h"
@@ -38,21 +39,9 @@ constexpr double confidence = 1.645;
 const std::vector<HorizonQuality> qualities = {HorizonQuality::Draft, HorizonQuality::Normal,
                                                HorizonQuality::Best};
 
-double luminance(double red, double green, double blue)
+Rgb rgbOf(const osg::Vec4f& c)
 {
-    return 0.2126 * red + 0.7152 * green + 0.0722 * blue; // ITU-R BT.709
-}
-
-double luminance(const Rgb& c)
-{
-    return luminance(static_cast<double>(c[0]), static_cast<double>(c[1]),
-                     static_cast<double>(c[2]));
-}
-
-double luminance(const osg::Vec4f& c)
-{
-    return luminance(static_cast<double>(c.r()), static_cast<double>(c.g()),
-                     static_cast<double>(c.b()));
+    return {c.r(), c.g(), c.b()};
 }
 
 std::array<double, 3> normalAt(const DemTile& tile, const TilePost& post)
@@ -250,13 +239,14 @@ Result<SettingsTrial::Run> SettingsTrial::run(osg::State& state, const LightingS
     for (std::size_t p = 0; _product == Product::SunFraction && p < _sunPosts.size(); ++p)
         result.restErrors.push_back(fraction(_sunPosts[p]) - _sunFraction[p]);
     for (std::size_t p = 0; _product == Product::Shading && p < _sunPosts.size(); ++p)
-        result.restErrors.push_back(luminance(shading.at(_sunPosts[p].column, _sunPosts[p].row)) -
-                                    skyLight(_sunPosts[p]) - _sunWeights[p] * _sunFraction[p]);
+        result.restErrors.push_back(
+            luminance(rgbOf(shading.at(_sunPosts[p].column, _sunPosts[p].row))) -
+            skyLight(_sunPosts[p]) - _sunWeights[p] * _sunFraction[p]);
     const double valid = static_cast<double>(_tile.validCount());
     for (const osg::Vec4f& c : shading.values())
     {
         const double y =
-            _product == Product::SunFraction ? static_cast<double>(c.a()) : luminance(c);
+            _product == Product::SunFraction ? static_cast<double>(c.a()) : luminance(rgbOf(c));
         result.meanSquare += y * y / valid;
     }
     lighting->releaseGLObjects(&state);
