@@ -1,9 +1,9 @@
 // Horizons of a bilinear surface along a straight ray in grid space.
 //
 // A ray leaves its receiver post along the grid axis that it crosses faster (major), one post per
-// step, and drifts `tangent` posts per step along the other (minor), 0 <= tangent <= 1; mirror images
-// serve the other octants. Slopes here are metres of height per step; the caller divides by the step's
-// length on the ground.
+// step, and drifts `tangent` posts per step along the other (minor), 0 <= tangent <= 1; mirror
+// images serve the other octants. Slopes here are metres of height per step; the caller divides by
+// the step's length on the ground.
 
 // Slope of a horizon with nothing ahead of it.
 GLSL_CONST Slope NO_HORIZON = real(-1.0e30);
@@ -38,10 +38,10 @@ Interval intervalBetween(real s1, real s2)
     return interval;
 }
 
-// Highest value of g(s) = a/s + b + c*s inside an interval, where g is the slope from the receiver to
-// a surface that is quadratic along the ray, g1 and g2 its values at the ends and c its curvature
-// (half the second derivative). NO_HORIZON where g has no inner maximum: a surface must be convex
-// upwards to stand above both ends.
+// Highest value of g(s) = a/s + b + c*s inside an interval, where g is the slope from the receiver
+// to a surface that is quadratic along the ray, g1 and g2 its values at the ends and c its
+// curvature (half the second derivative). NO_HORIZON where g has no inner maximum: a surface must
+// be convex upwards to stand above both ends.
 Slope insideMaximum(Interval interval, Slope g1, Slope g2, real c)
 {
     real a = interval.steepness * (g1 - g2) + interval.product * c;
@@ -86,9 +86,9 @@ NearScan startScan(sampler2D heights, NearRays rays)
     return scan;
 }
 
-// Goes on to `column`, the next one: the crossings of it and of a row before it and, where inside is
-// true, the maxima within the one or two cells between.
-NearScan scanColumn(sampler2D heights, NearRays rays, NearScan scan, int column, bool inside)
+// Goes on to `column`, the next one: the crossings of it and of a row before it, and the maxima
+// within the one or two cells between.
+NearScan scanColumn(sampler2D heights, NearRays rays, NearScan scan, int column)
 {
     real distance = real(column);
     real offset = rays.tangent * distance;
@@ -106,8 +106,8 @@ NearScan scanColumn(sampler2D heights, NearRays rays, NearScan scan, int column,
     real inverseDistance = real(1.0) / distance;
     real inverseRow = real(1.0) / rowDistance;
     // A cell that the ray only grazes has no inside to speak of, and no interval to divide by.
-    bool firstCell = inside && column > 1 && rowDistance - lastDistance > real(1.0e-3);
-    bool secondCell = inside && crossesRow && distance - rowDistance > real(1.0e-3);
+    bool firstCell = column > 1 && rowDistance - lastDistance > real(1.0e-3);
+    bool secondCell = crossesRow && distance - rowDistance > real(1.0e-3);
     Interval beforeRow = intervalBetween(lastDistance, rowDistance);
     Interval afterRow = intervalBetween(rowDistance, distance);
 
@@ -115,28 +115,23 @@ NearScan scanColumn(sampler2D heights, NearRays rays, NearScan scan, int column,
     {
         Length nearSide = crossesRow ? current[i + 1] : current[i];
         Length farSide = crossesRow ? current[i + 2] : current[i + 1];
-        Slope slope =
-            (crossingHeight(nearSide, farSide, weight) - scan.here[i]) * inverseDistance;
+        Slope slope = (crossingHeight(nearSide, farSide, weight) - scan.here[i]) * inverseDistance;
         Slope rowSlope =
             (crossingHeight(scan.before[i + 1], current[i + 1], share) - scan.here[i]) * inverseRow;
         Slope atRow = crossesRow ? rowSlope : slope;
         Slope top = max(scan.best[i], max(slope, atRow));
-        if (inside)
-        {
-            Length twist = scan.before[i] - current[i] - scan.before[i + 1] + current[i + 1];
-            bool whole1 = abs(twist) < -VOID_LIMIT;
-            // The receiver's own cell: g has no pole, so its inner end is the tangent there.
-            Slope own = current[i] - scan.here[i] +
-                        rays.tangent * (scan.before[i + 1] - scan.here[i]);
-            top = column == 1 && whole1 ? max(top, own) : top;
-            Slope peak = insideMaximum(beforeRow, scan.last[i], atRow, rays.tangent * twist);
-            top = firstCell && whole1 ? max(top, peak) : top;
+        Length twist = scan.before[i] - current[i] - scan.before[i + 1] + current[i + 1];
+        bool whole1 = abs(twist) < -VOID_LIMIT;
+        // The receiver's own cell: g has no pole, so its inner end is the tangent there.
+        Slope own = current[i] - scan.here[i] + rays.tangent * (scan.before[i + 1] - scan.here[i]);
+        top = column == 1 && whole1 ? max(top, own) : top;
+        Slope peak = insideMaximum(beforeRow, scan.last[i], atRow, rays.tangent * twist);
+        top = firstCell && whole1 ? max(top, peak) : top;
 
-            twist = scan.before[i + 1] - current[i + 1] - scan.before[i + 2] + current[i + 2];
-            bool whole2 = abs(twist) < -VOID_LIMIT;
-            peak = insideMaximum(afterRow, atRow, slope, rays.tangent * twist);
-            top = secondCell && whole2 ? max(top, peak) : top;
-        }
+        twist = scan.before[i + 1] - current[i + 1] - scan.before[i + 2] + current[i + 2];
+        bool whole2 = abs(twist) < -VOID_LIMIT;
+        peak = insideMaximum(afterRow, atRow, slope, rays.tangent * twist);
+        top = secondCell && whole2 ? max(top, peak) : top;
         scan.best[i] = top;
         scan.last[i] = slope;
     }
@@ -146,17 +141,13 @@ NearScan scanColumn(sampler2D heights, NearRays rays, NearScan scan, int column,
     return scan;
 }
 
-// Horizon slope [m per step] of each receiver over the first `reach` steps of its ray, exact for the
-// bilinear surface: every column and row crossing and, for the first `insideReach` >= 1 steps, the
-// maximum within each cell. Two loops, since processors that run lanes in step pay for both sides of a
-// branch.
-NearSlopes nearHorizon(sampler2D heights, NearRays rays, int reach, int insideReach)
+// Horizon slope [m per step] of each receiver over the first `reach` steps of its ray, exact for
+// the bilinear surface: every column and row crossing, and the maximum within each cell.
+NearSlopes nearHorizon(sampler2D heights, NearRays rays, int reach)
 {
     NearScan scan = startScan(heights, rays);
-    for (int column = 1; column <= insideReach; ++column)
-        scan = scanColumn(heights, rays, scan, column, true);
-    for (int column = insideReach + 1; column <= reach; ++column)
-        scan = scanColumn(heights, rays, scan, column, false);
+    for (int column = 1; column <= reach; ++column)
+        scan = scanColumn(heights, rays, scan, column);
     NearSlopes found;
     for (int i = 0; i < 8; ++i)
         found.slopes[i] = scan.best[i];
@@ -164,8 +155,8 @@ NearSlopes nearHorizon(sampler2D heights, NearRays rays, int reach, int insideRe
 }
 
 // Horizon slope [m per step] of one receiver over `steps` steps of its ray, exact for the bilinear
-// surface: every column and row crossing, and the maximum within each cell. major, minor, tangent: as
-// in NearRays. The texture's frame must reach past the last step.
+// surface: every column and row crossing, and the maximum within each cell. major, minor, tangent:
+// as in NearRays. The texture's frame must reach past the last step.
 Slope horizonAlongRay(sampler2D heights, ivec2 receiver, ivec2 major, ivec2 minor, real tangent,
                       int steps)
 {
@@ -216,18 +207,19 @@ Slope horizonAlongRay(sampler2D heights, ivec2 receiver, ivec2 major, ivec2 mino
     return best;
 }
 
-// Slope [m per step] at which a receiver of height `here` sees the surface along its ray at `away` >= 1
-// whole steps or, if that is higher, at the row that the ray crosses in the step before; NO_HORIZON
-// where neither has valid posts. turn: posts along `minor` per step, -1 ... 1.
-Slope slopeAtStep(sampler2D heights, ivec2 receiver, Length here, ivec2 major, ivec2 minor, real turn,
-                  int away)
+// Slope [m per step] at which a receiver of height `here` sees the surface along its ray at `away`
+// >= 1 whole steps or, if that is higher, at the row that the ray crosses in the step before;
+// NO_HORIZON where neither has valid posts. turn: posts along `minor` per step, -1 ... 1.
+Slope slopeAtStep(sampler2D heights, ivec2 receiver, Length here, ivec2 major, ivec2 minor,
+                  real turn, int away)
 {
     real distance = real(away);
     real offset = turn * distance;
     int whole = int(floor(offset));
     ivec2 post = receiver + major * away + minor * whole;
     Length rise = crossingHeight(postHeight(heights, post), postHeight(heights, post + minor),
-                                 offset - real(whole)) - here;
+                                 offset - real(whole)) -
+                  here;
     Slope slope = isVoid(rise) ? NO_HORIZON : rise / distance;
 
     real before = offset - turn;
@@ -236,7 +228,8 @@ Slope slopeAtStep(sampler2D heights, ivec2 receiver, Length here, ivec2 major, i
     real place = crosses ? real(row) / turn : distance;
     post = receiver + major * (away - 1) + minor * row;
     rise = crossingHeight(postHeight(heights, post), postHeight(heights, post + major),
-                          place - (distance - real(1.0))) - here;
+                          place - (distance - real(1.0))) -
+           here;
     return crosses && !isVoid(rise) ? max(slope, rise / place) : slope;
 }
 

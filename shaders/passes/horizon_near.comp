@@ -9,7 +9,6 @@ layout(r16, binding = 0) uniform image2DArray horizon; // elevation codes
 uniform ivec2 size; // posts
 uniform int frame;
 uniform int reach;
-uniform int insideReach;
 uniform vec4 direction; // as in horizon_sweep.comp
 
 void main()
@@ -34,7 +33,7 @@ void main()
     rays.minor = north ? ivec2(mirror, 0) : ivec2(0, mirror);
     rays.first = first + frame;
     rays.tangent = abs(drift);
-    NearSlopes found = nearHorizon(heights, rays, reach, insideReach);
+    NearSlopes found = nearHorizon(heights, rays, reach);
 
     for (int i = 0; i < 8; ++i)
     {

@@ -73,7 +73,6 @@ std::vector<Octant> octants()
 /// nearHorizon of every valid post, in blocks of eight as the pass does it.
 template <class Real>
 void forEachHorizon(const DemTile& tile, const Octant& octant, Real tangent, int reach,
-                    int insideReach,
                     const std::function<void(int column, int row, double slope)>& use)
 {
     using G = Glsl<Real>;
@@ -91,7 +90,7 @@ void forEachHorizon(const DemTile& tile, const Octant& octant, Real tangent, int
             rays.major = octant.major();
             rays.minor = octant.minor();
             rays.tangent = tangent;
-            const auto found = glsl.nearHorizon(heights, rays, reach, insideReach);
+            const auto found = glsl.nearHorizon(heights, rays, reach);
             for (int k = 0; k < G::NEAR_POSTS; ++k)
             {
                 const glm::ivec2 post = first + rays.minor * k;
@@ -299,18 +298,17 @@ TYPED_TEST(HorizonFunctions, NearHorizonIsTheHighestSampleOfTheSurface)
         // |c|·1e-6/s1 there, and c is 2·relief at most.
         const double grazing = 2.0 * relief * 1e-6;
         const double bound = slopeBound<TypeParam>(relief, relief, 12) + grazing;
-        for (const auto& [reach, insideReach] :
-             std::vector<std::array<int, 2>>{{12, 12}, {12, 4}, {5, 1}, {1, 1}})
+        for (const int reach : {12, 5, 1})
             forEachHorizon<TypeParam>(
-                tile, Octant{}, tangent, reach, insideReach,
-                [&, reach = reach, insideReach = insideReach](int x, int y, double slope)
+                tile, Octant{}, tangent, reach,
+                [&](int x, int y, double slope)
                 {
                     const double expected =
                         DenseRay(tile, x, y, Octant{}, static_cast<double>(tangent))
-                            .horizon(reach, insideReach);
+                            .horizon(reach, reach);
                     ASSERT_TRUE(slopesAgree(slope, expected, bound))
                         << "tangent " << tangent << " post " << x << ' ' << y << " reach " << reach
-                        << ' ' << insideReach << ": " << slope << ", sampled " << expected;
+                        << ": " << slope << ", sampled " << expected;
                 });
     }
 }
@@ -399,7 +397,7 @@ TYPED_TEST(HorizonFunctions, NearHorizonStopsAtVoids)
         {
             const TypeParam tangent = static_cast<TypeParam>(wanted);
             const double bound = slopeBound<TypeParam>(70.0, relief, 16) + 2.0 * relief * 1e-6;
-            forEachHorizon<TypeParam>(tile, Octant{}, tangent, 16, 16,
+            forEachHorizon<TypeParam>(tile, Octant{}, tangent, 16,
                                       [&](int x, int y, double slope)
                                       {
                                           const double expected =
@@ -424,7 +422,6 @@ TYPED_TEST(HorizonFunctions, LevelGroundWithVoidsHasNoHorizonAboveIt)
         for (int c = 1; c <= 32; ++c)
             for (int w = 0; w <= c; ++w)
                 forEachHorizon<TypeParam>(tile, Octant{}, static_cast<TypeParam>(double(w) / c), 25,
-                                          8,
                                           [&](int x, int y, double slope)
                                           {
                                               ASSERT_TRUE(slope == 0.0 || slope < nothing)
@@ -455,14 +452,14 @@ TYPED_TEST(HorizonFunctions, MirroredRaysSeeTheMirroredTile)
         for (const double tangent : tangents)
         {
             Raster<double> expected(16, 16, 0.0);
-            forEachHorizon<TypeParam>(mirrored, Octant{}, static_cast<TypeParam>(tangent), 9, 3,
+            forEachHorizon<TypeParam>(mirrored, Octant{}, static_cast<TypeParam>(tangent), 9,
                                       [&](int i, int j, double slope)
                                       {
                                           const glm::ivec2 at = place(i, j);
                                           expected.at(at.x, at.y) = slope;
                                       });
             int count = 0;
-            forEachHorizon<TypeParam>(tile, octant, static_cast<TypeParam>(tangent), 9, 3,
+            forEachHorizon<TypeParam>(tile, octant, static_cast<TypeParam>(tangent), 9,
                                       [&](int x, int y, double slope)
                                       {
                                           ++count;
@@ -484,7 +481,7 @@ TYPED_TEST(HorizonFunctions, ReachEndsWhereItSays)
                 for (int x = 0; x < 20; ++x)
                     tile.setHeight(x, y, x == 3 + distance ? 64.0f : 0.0f);
             for (int reach = 1; reach <= 12; ++reach)
-                forEachHorizon<TypeParam>(tile, Octant{}, static_cast<TypeParam>(tangent), reach, 1,
+                forEachHorizon<TypeParam>(tile, Octant{}, static_cast<TypeParam>(tangent), reach,
                                           [&](int x, int y, double slope)
                                           {
                                               if (x != 3 || y > 10)
@@ -505,10 +502,10 @@ TYPED_TEST(HorizonFunctions, ReachEndsWhereItSays)
         }
 }
 
-TYPED_TEST(HorizonFunctions, InsideReachEndsWhereItSays)
+TYPED_TEST(HorizonFunctions, BulgesCountWithinReach)
 {
     // A checkerboard's bump: along the diagonal a cell whose other corners stand at 8 bulges to 2
-    // half way, and its crossings are all 0. The bulge of column k counts with insideReach >= k.
+    // half way, and its crossings are all 0. The bulge of column k counts with reach >= k.
     for (int column = 1; column <= 6; ++column)
     {
         DemTile tile(14, 14, 1.0);
@@ -516,9 +513,9 @@ TYPED_TEST(HorizonFunctions, InsideReachEndsWhereItSays)
             for (int x = 0; x < 14; ++x)
                 tile.setHeight(x, y, 0.0f);
         tile.setHeight(2 + column, 1 + column, 8.0f);
-        for (int insideReach = 1; insideReach <= 8; ++insideReach)
+        for (int reach = 1; reach <= 8; ++reach)
             forEachHorizon<TypeParam>(
-                tile, Octant{}, TypeParam(1), 8, insideReach,
+                tile, Octant{}, TypeParam(1), reach,
                 [&](int x, int y, double slope)
                 {
                     if (x != 2 || y != 2)
@@ -528,7 +525,7 @@ TYPED_TEST(HorizonFunctions, InsideReachEndsWhereItSays)
                     const double k = column - 1.0;
                     const double u = std::sqrt(k * (k + 1.0)) - k;
                     const double bulge = k > 0.0 ? 8.0 * u * (1.0 - u) / (k + u) : 8.0;
-                    if (insideReach >= column)
+                    if (reach >= column)
                     {
                         ASSERT_NEAR(slope, bulge, slopeBound<TypeParam>(8.0, 8.0, 8));
                     }
@@ -566,7 +563,7 @@ TYPED_TEST(HorizonFunctions, NearHorizonIsTheOraclesWhereReachCoversTheTile)
                 const glm::ivec2 minor = octant.minor();
                 const MapDirection direction{major.x + t * minor.x, major.y + t * minor.y};
                 forEachHorizon<TypeParam>(
-                    tile, octant, tangent, 23, 23,
+                    tile, octant, tangent, 23,
                     [&](int x, int y, double slope)
                     {
                         const double perMetre =
@@ -591,9 +588,9 @@ TEST(HorizonConditioning, FloatLosesOnlyTheLastDigitsOfHeights)
         {
             Raster<double> expected(24, 24, 0.0);
             const float rounded = static_cast<float>(tangent);
-            forEachHorizon<double>(tile, Octant{}, double(rounded), 16, 16,
+            forEachHorizon<double>(tile, Octant{}, double(rounded), 16,
                                    [&](int x, int y, double slope) { expected.at(x, y) = slope; });
-            forEachHorizon<float>(tile, Octant{}, rounded, 16, 16,
+            forEachHorizon<float>(tile, Octant{}, rounded, 16,
                                   [&](int x, int y, double slope)
                                   {
                                       ASSERT_TRUE(slopesAgree(slope, expected.at(x, y), bound))

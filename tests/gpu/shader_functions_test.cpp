@@ -93,7 +93,7 @@ const char* const nearHorizonBody = R"(
     rays.major = ivec2(1, 0);
     rays.minor = ivec2(0, 1);
     rays.tangent = arg(2);
-    NearSlopes found = nearHorizon(heights, rays, 16, 8);
+    NearSlopes found = nearHorizon(heights, rays, 16);
     for (int i = 0; i < 8; ++i)
         put(i, found.slopes[i]);
 )";
@@ -308,7 +308,7 @@ TEST(ShaderFunctions, NearHorizon)
         rays.major = {1, 0};
         rays.minor = {0, 1};
         rays.tangent = arguments.at(i, 2);
-        const auto expected = glsl.nearHorizon(heights, rays, 16, 8);
+        const auto expected = glsl.nearHorizon(heights, rays, 16);
         for (int k = 0; k < 8; ++k)
         {
             if (glsl.isVoid(heights.at(rays.first.x, rays.first.y + k)))

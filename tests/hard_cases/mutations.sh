@@ -52,7 +52,7 @@ mutate void-weight-one lib/surface.glsl 's/weight < real\(1\.0\) \? between : b/
 mutate void-in-normal lib/surface.glsl 's/ && !isVoid\(across\)//'
 mutate hull-ties lib/horizon.glsl 's/\(eye\.y - nearer\.y\) >=/(eye.y - nearer.y) >/'
 mutate hull-side lib/horizon.glsl 's/\(eye\.y - nearer\.y\) >=/(eye.y - nearer.y) <=/'
-mutate near-reach lib/horizon.glsl 's/column <= insideReach;/column < insideReach;/'
+mutate near-reach lib/horizon.glsl 's/column <= reach;/column < reach;/'
 mutate near-inside lib/horizon.glsl 's/return inside \?/return false ?/'
 mutate near-own-cell lib/horizon.glsl 's/column == 1 && whole1/column == 0 \&\& whole1/'
 mutate near-row-crossing lib/horizon.glsl 's/max\(slope, atRow\)/slope/'

@@ -115,11 +115,11 @@ struct Relief
         range = highest - lowest;
     }
 
-    double rounding(double slope, int insideReach) const
+    double rounding(double slope, int reach) const
     {
         constexpr double underflow = 2.2e-19;
         return underflow +
-               u * (3.0 * size + 3.0 * range + (15.0 + 30.0 * insideReach) * std::max(east, north) +
+               u * (3.0 * size + 3.0 * range + (15.0 + 30.0 * reach) * std::max(east, north) +
                     12.0 * std::abs(slope));
     }
 
@@ -222,7 +222,7 @@ Allowed allowedHorizon(const HardCase& hardCase, const Relief& relief, int colum
     const GridRay ray(tile, column, row, direction);
     const auto elevation = [&](double slope) { return std::atan(slope / ray.step) * radian; };
     const double slope = expected.slope * ray.step;
-    const double rounding = std::isfinite(slope) ? relief.rounding(slope, scheme.insideReach) : 0.0;
+    const double rounding = std::isfinite(slope) ? relief.rounding(slope, scheme.reach) : 0.0;
     const double place = expected.distance / ray.step;
     const double farthest = scheme.reach + 1.0;
 
@@ -238,7 +238,7 @@ Allowed allowedHorizon(const HardCase& hardCase, const Relief& relief, int colum
         return allowed;
 
     double loss = 0.0;
-    if (place > scheme.insideReach)
+    if (place > scheme.reach)
     {
         double sampling = infinity;
         int from = 0;
@@ -351,7 +351,7 @@ void checkConditioning(const HardCase& hardCase, const Relief& relief)
     Tally near(hardCase.name + ", nearHorizon in float");
     double worst = 0.0;
     constexpr double nothing = -1e9; // slopes below: a void, or nothing ahead
-    constexpr int reach = 8, insideReach = 8;
+    constexpr int reach = 8;
     for (const bool north : {false, true})
         // No ray of these passes a post so closely that float and double could disagree on its
         // side.
@@ -362,11 +362,10 @@ void checkConditioning(const HardCase& hardCase, const Relief& relief)
                     const glm::ivec2 first = north ? glm::ivec2(block, i) : glm::ivec2(i, block);
                     const glm::ivec2 major = north ? glm::ivec2(0, -1) : glm::ivec2(1, 0);
                     const glm::ivec2 minor = north ? glm::ivec2(1, 0) : glm::ivec2(0, 1);
-                    const auto found = single.nearHorizon(
-                        heights, {first + frame, major, minor, tangent}, reach, insideReach);
+                    const auto found =
+                        single.nearHorizon(heights, {first + frame, major, minor, tangent}, reach);
                     const auto expected = twofold.nearHorizon(
-                        exact, {first + frame, major, minor, static_cast<double>(tangent)}, reach,
-                        insideReach);
+                        exact, {first + frame, major, minor, static_cast<double>(tangent)}, reach);
                     for (int k = 0; k < 8; ++k)
                     {
                         const glm::ivec2 post = first + minor * k;
@@ -377,7 +376,7 @@ void checkConditioning(const HardCase& hardCase, const Relief& relief)
                         const double b = expected.slopes[k];
                         if (a < nothing && b < nothing)
                             continue;
-                        const double bound = relief.rounding(b, insideReach);
+                        const double bound = relief.rounding(b, reach);
                         near.take(a, b - bound, b + bound, at(post.x, post.y));
                         worst = std::max(worst, std::abs(a - b) / bound);
                     }
@@ -787,8 +786,7 @@ void expectHorizons(osg::State& state, const HardCase& hardCase, const HorizonFo
                     const double step =
                         GridRay(tile, x, y, directionOfIndex(k, hardCase.azimuths)).step;
                     const double rounding =
-                        relief.rounding(*slope * step, HorizonScheme::of(quality).insideReach) /
-                        step;
+                        relief.rounding(*slope * step, HorizonScheme::of(quality).reach) / step;
                     const auto elevation = [](double tangent)
                     { return std::max(0.0, std::atan(tangent) * radian); };
                     const double found = std::max(0.0, map.elevationAt(x, y, k));

@@ -42,7 +42,7 @@
 /// ray meets a void, the line beside it may speak, but not of more than the highest post, `reach` +
 /// 1 steps away.
 ///
-/// Below: nothing is lost where S <= insideReach. Else it is enough to take the ray as sampled
+/// Below: nothing is lost where S <= reach. Else it is enough to take the ray as sampled
 /// where it crosses columns (rows are crossed too, which can only raise what is found): at c, w =
 /// |S - c| <= 1/2 steps from S (or the step before where the data ends between), the slope is lower
 /// by at most w(Dmajor + t·Dminor + |R|)/c. Where c > reach, a line p posts beside the ray says

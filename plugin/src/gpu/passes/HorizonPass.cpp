@@ -24,11 +24,11 @@ HorizonScheme HorizonScheme::of(HorizonQuality quality)
     switch (quality)
     {
     case HorizonQuality::Draft:
-        return {4, 1, 1, 4};
+        return {4, 1, 1};
     case HorizonQuality::Best:
-        return {24, 2, 2, 24};
+        return {24, 2, 2};
     default:
-        return {8, 1, 1, 8};
+        return {8, 1, 1};
     }
 }
 
@@ -37,11 +37,11 @@ HorizonScheme HorizonScheme::ofSun(HorizonQuality quality)
     switch (quality)
     {
     case HorizonQuality::Draft:
-        return {8, 1, 1, 8};
+        return {8, 1, 1};
     case HorizonQuality::Best:
-        return {64, 2, 2, 64};
+        return {64, 2, 2};
     default:
-        return {32, 2, 2, 32};
+        return {32, 2, 2};
     }
 }
 
@@ -74,7 +74,6 @@ HorizonPass::HorizonPass(const DemTile& tile, osg::Texture2D* heights, const Hor
         pass->set("frame", int(frame));
         pass->set("reach", scheme.reach);
     }
-    _near->set("insideReach", scheme.insideReach);
     for (const auto& sweep : _sweeps)
     {
         sweep->set("linesPerPost", scheme.linesPerPost);

@@ -23,7 +23,6 @@ struct OSGTERRAINLIGHT_EXPORT HorizonScheme
     int reach = 8;        ///< steps of the near field, 1 … 64
     int linesPerPost = 1; ///< lines of the sweep per post, 1 … 8
     int linesAsked = 1;   ///< by each post: 1, the nearest, or 2
-    int insideReach = 6;  ///< steps in which maxima inside cells count too, 1 … reach
 
     /// For the sky's horizons.
     static HorizonScheme of(HorizonQuality quality);
