@@ -656,6 +656,20 @@ void TerrainLighting::releaseGLObjects(osg::State* state) const
 void TerrainLighting::resizeGLObjectBuffers(unsigned size)
 {
     osg::Group::resizeGLObjectBuffers(size);
+    // A TerrainTile does not tell its technique, whose geometry would then grow while two contexts'
+    // threads draw it.
+    class PartResizer : public osg::NodeVisitor
+    {
+    public:
+        explicit PartResizer(unsigned size) : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN), _size(size)
+        {
+        }
+        void apply(osg::Drawable& drawable) override { drawable.resizeGLObjectBuffers(_size); }
+
+    private:
+        unsigned _size;
+    } resizer(size);
+    osg::Group::traverse(resizer);
     _tiles->forEach([&](LitTile& tile) { tile.lighting().resizeGLObjectBuffers(size); });
     _tiles->camera->resizeGLObjectBuffers(size);
 }
