@@ -43,6 +43,7 @@ struct Glsl
     static Real sin(Real x) { return std::sin(x); }
     static Real cos(Real x) { return std::cos(x); }
     static Real atan(Real x) { return std::atan(x); }
+    static Real exp(Real x) { return std::exp(x); }
     static Real min(Real a, Real b) { return b < a ? b : a; }
     static Real max(Real a, Real b) { return a < b ? b : a; }
     static int min(int a, int b) { return b < a ? b : a; }
@@ -50,6 +51,7 @@ struct Glsl
     static Real clamp(Real x, Real a, Real b) { return min(max(x, a), b); }
     static Real mix(Real a, Real b, Real t) { return a + (b - a) * t; }
     static Real dot(const vec3& a, const vec3& b) { return glm::dot(a, b); }
+    static Real dot(const vec4& a, const vec4& b) { return glm::dot(a, b); }
     static Real length(const vec3& a) { return glm::length(a); }
     static vec3 normalize(const vec3& a) { return glm::normalize(a); }
 

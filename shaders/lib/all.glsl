@@ -3,3 +3,4 @@
 #include "surface.glsl"
 #include "horizon.glsl"
 #include "sky.glsl"
+#include "legendre.glsl"
