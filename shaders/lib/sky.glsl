@@ -10,6 +10,16 @@ real sliceIrradiance(Angle theta, real nz, real nh, Angle width)
            real(2.0) * sin(real(0.5) * width) * nh * real(0.5) * (theta - s * cos(theta));
 }
 
+// The same as a function of the slope that ends it below: its dot product with (nz, nh) is
+// sliceIrradiance().
+vec2 sliceMoments(Slope slope, Angle width)
+{
+    real square = real(1.0) / (real(1.0) + slope * slope); // of sin theta
+    Angle theta = HALF_PI - elevationOfSlope(slope);
+    return vec2(width * real(0.5) * square,
+                sin(real(0.5) * width) * (theta - slope * square));
+}
+
 // Zenith angle at which a slice meets the surface's own plane: 90 degrees + atan(nh / nz).
 Angle planeZenithAngle(real nz, real nh)
 {

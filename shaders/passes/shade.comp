@@ -20,17 +20,6 @@ uniform float sunElevation; // [rad]
 uniform float sunRadius;    // [rad]
 uniform float sunOff;       // alpha where there is no sun stage: 1 switched off, 0 below the horizontal
 
-// The greatest half float. Whether more would be stored as that or as infinity is the driver's choice.
-const float GREATEST_LIGHT = 65504.0;
-
-// The nearest half float: what storing does with the rest is the driver's choice too, and cutting it
-// off would darken everything by 0.03 %.
-vec3 roundedToHalf(vec3 x)
-{
-    uvec3 bits = floatBitsToUint(min(x, vec3(GREATEST_LIGHT)));
-    return uintBitsToFloat((bits + 0x1000u) & 0xffffe000u);
-}
-
 void main()
 {
     ivec2 post = ivec2(gl_GlobalInvocationID.xy);

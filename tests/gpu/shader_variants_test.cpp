@@ -24,6 +24,8 @@ struct Variant
 
 /// Every combination of defines in use. One that is not listed does not exist.
 const std::vector<Variant> variants = {
+    {"bounce", {}},
+    {"bounce", {"DIRECT"}},
     {"horizon_near", {}},
     {"horizon_scan", {}},
     // The nearest line; one line per post (Draft, Normal), or more.
@@ -34,6 +36,11 @@ const std::vector<Variant> variants = {
     {"horizon_sweep", {"HULL_SIZE 64", "ASKED 2", "PARITY 1"}},
     {"horizon_sweep", {"HULL_SIZE 64", "ASKED 2", "PARITY 0", "DENSE"}},
     {"horizon_sweep", {"HULL_SIZE 64", "ASKED 2", "PARITY 1", "DENSE"}},
+    {"pyramid", {}},
+    {"pyramid", {"HEIGHTS"}},
+    {"pyramid", {"HEIGHTS", "FROM_POSTS"}},
+    {"radiance", {}},
+    {"radiance", {"DIRECT"}},
     {"shade", {}},
     {"sky_view", {}},
 };

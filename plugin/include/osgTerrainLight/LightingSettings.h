@@ -2,6 +2,7 @@
 
 #include <osgTerrainLight/Export.h>
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,11 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
     /// Azimuths of the horizon map: a multiple of 4, 4 … 256.
     int azimuths = 32;
     HorizonQuality quality = HorizonQuality::Normal;
+    /// Diffuse bounces of light from terrain to terrain: 0 … 8.
+    int bounces = 0;
+    /// What the ground reflects of the light it receives, 0 … 1 per channel, where a tile has no
+    /// albedo of its own.
+    std::array<float, 3> albedo = {0.5f, 0.5f, 0.5f};
     /// Multiplies the colour before it is encoded to sRGB, in the default program and in PNG
     /// output: 2^exposure. Stops, −20 … 20.
     double exposure = 0.0;
@@ -74,7 +80,7 @@ struct OSGTERRAINLIGHT_EXPORT ParameterRange
     double maximum = 0.0;
     std::string meaning;
 
-    /// Names accepted: azimuths, exposure, sun-azimuth, sun-elevation, sun-radius, sun-irradiance,
+    /// Names accepted: azimuths, bounces, albedo, exposure, sun-azimuth, sun-elevation, sun-radius, sun-irradiance,
     /// max-error, max-ms, sky-radiance. Null where there is no such parameter.
     static const ParameterRange* find(const std::string& name);
     static const std::vector<ParameterRange>& all();

@@ -36,6 +36,8 @@ const std::vector<ParameterRange>& ParameterRange::all()
 {
     static const std::vector<ParameterRange> table = {
         {"azimuths", "", 4, 256, "azimuths of the horizon map, a multiple of 4"},
+        {"bounces", "", 0, 8, "diffuse bounces of light from terrain to terrain"},
+        {"albedo", "", 0, 1, "part of the light that the ground reflects, per channel"},
         {"exposure", "stops", -20, 20, "brightness of the displayed picture"},
         {"sun-azimuth", "degrees", -360, 720, "clockwise from north"},
         {"sun-elevation", "degrees", -90, 90, "above the horizontal"},

@@ -12,6 +12,12 @@
 #ifndef GL_RED_INTEGER
 #define GL_RED_INTEGER 0x8D94
 #endif
+#ifndef GL_RG
+#define GL_RG 0x8227
+#endif
+#ifndef GL_RG32F
+#define GL_RG32F 0x8230
+#endif
 #ifndef GL_READ_WRITE
 #define GL_READ_WRITE 0x88BA
 #endif

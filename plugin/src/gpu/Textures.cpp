@@ -28,6 +28,8 @@ Format formatOf(GLint internalFormat)
         return {internalFormat, GL_RED, GL_UNSIGNED_SHORT, 2};
     case GL_R32UI:
         return {internalFormat, GL_RED_INTEGER, GL_UNSIGNED_INT, 4};
+    case GL_RG32F:
+        return {internalFormat, GL_RG, GL_FLOAT, 8};
     case GL_RGBA16F_ARB:
         return {internalFormat, GL_RGBA, GL_HALF_FLOAT, 8};
     default:
@@ -73,6 +75,23 @@ osg::ref_ptr<osg::Texture2D> createFloatTexture(const Raster<float>& values)
     std::memcpy(image->data(), values.data(), values.size() * sizeof(float));
     osg::ref_ptr<osg::Texture2D> texture = new osg::Texture2D(image);
     prepare(*texture, formatOf(GL_R32F));
+    return texture;
+}
+
+osg::ref_ptr<osg::Texture2D> createColourTexture(const Raster<std::array<float, 3>>& colours)
+{
+    osg::ref_ptr<osg::Image> image = new osg::Image;
+    image->allocateImage(colours.width(), colours.height(), 1, GL_RGBA, GL_FLOAT, 1);
+    auto* texel = reinterpret_cast<float*>(image->data());
+    for (const std::array<float, 3>& colour : colours.values())
+    {
+        texel = std::copy(colour.begin(), colour.end(), texel);
+        *texel++ = 1.0f;
+    }
+    osg::ref_ptr<osg::Texture2D> texture = new osg::Texture2D(image);
+    Format format = formatOf(GL_RGBA16F_ARB);
+    format.type = GL_FLOAT;
+    prepare(*texture, format);
     return texture;
 }
 
@@ -125,7 +144,11 @@ std::size_t textureBytes(const osg::Texture& texture)
 
 std::vector<float> readFloats(osg::State& state, osg::Texture& texture, int channels)
 {
-    return read<float>(state, texture, channels == 4 ? GL_RGBA : GL_RED, GL_FLOAT, channels);
+    return read<float>(state, texture,
+                       channels == 4   ? GL_RGBA
+                       : channels == 2 ? GL_RG
+                                       : GL_RED,
+                       GL_FLOAT, channels);
 }
 
 std::vector<std::uint16_t> readUnorm16(osg::State& state, osg::Texture& texture)

@@ -9,6 +9,7 @@
 #include <osg/Texture2D>
 #include <osg/Texture2DArray>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -23,6 +24,10 @@ OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Texture2D> createHeightTexture(const De
 
 /// A texture of the given values, format R32F.
 OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Texture2D> createFloatTexture(const Raster<float>& values);
+
+/// A texture of the given colours, format RGBA16F, alpha 1.
+OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Texture2D>
+createColourTexture(const Raster<std::array<float, 3>>& colours);
 
 /// A texture without content that passes write: GL_R32F, GL_RGBA16F, GL_R32UI, …, linear filter
 /// where the format has one.

@@ -6,6 +6,7 @@
 
 #include <OpenThreads/ScopedLock>
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -51,10 +52,11 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
     _settingsValue = _chain.addSource();
     _sunPlaceValue = _chain.addSource();
     _lightValue = _chain.addSource();
+    _albedoValue = _chain.addSource();
     const auto horizon = _chain.addStage(
         {"horizon",
          {_settingsValue},
-         [this] { return skyNeeded(); },
+         [this] { return horizonNeeded(); },
          [this](osg::State& state) { return runHorizon(state); },
          [this]
          {
@@ -85,12 +87,30 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                          : 0;
          },
          [this] { _sun = nullptr; }});
-    _chain.addStage({"shade",
-                     {skyView, sun, _lightValue},
-                     [] { return true; },
-                     [this](osg::State& state) { return runShade(state); },
-                     [this] { return textureBytes(*_shading); },
-                     [] {}});
+    const auto shade =
+        _chain.addStage({"shade",
+                         // Bounces are added to what this writes, so it runs before each.
+                         {skyView, sun, _lightValue, _albedoValue},
+                         [] { return true; },
+                         [this](osg::State& state) { return runShade(state); },
+                         [this] { return textureBytes(*_shading); },
+                         [] {}});
+    const auto pyramid = _chain.addStage({"pyramid",
+                                          {_settingsValue},
+                                          [this] { return bounceNeeded(); },
+                                          [this](osg::State& state) { return runPyramid(state); },
+                                          [] { return std::size_t(0); },
+                                          [] {}});
+    _chain.addStage({"bounce",
+                     {horizon, pyramid, shade},
+                     [this] { return bounceNeeded(); },
+                     [this](osg::State& state) { return runBounce(state); },
+                     [this] { return _bounce ? _bounce->bytes() : 0; },
+                     [this]
+                     {
+                         _bounce = nullptr;
+                         _albedoTexture = nullptr;
+                     }});
 }
 
 bool TileLighting::needsSun(const SkyLight& sky)
@@ -103,12 +123,37 @@ void TileLighting::setSettings(const LightingSettings& settings)
     Lock lock(_mutex);
     const bool changed =
         settings.azimuths != _settings.azimuths || settings.quality != _settings.quality;
+    if (settings.bounces != _settings.bounces || settings.albedo != _settings.albedo)
+    {
+        _albedoTexture = nullptr;
+        _chain.touch(_albedoValue);
+    }
     _settings = settings;
     if (!changed)
         return;
     _horizon = nullptr;
     _sun = nullptr;
+    _bounce = nullptr;
     _chain.touch(_settingsValue);
+}
+
+bool TileLighting::bounceNeeded() const
+{
+    const auto black = [](const Rgb& albedo)
+    { return std::all_of(albedo.begin(), albedo.end(), [](float a) { return a <= 0.0f; }); };
+    return _settings.bounces > 0 && (skyNeeded() || sunNeeded()) &&
+           !(_albedo.size() == 0
+                 ? black(_settings.albedo)
+                 : std::all_of(_albedo.values().begin(), _albedo.values().end(), black));
+}
+
+void TileLighting::setAlbedo(Raster<Rgb> albedo)
+{
+    Lock lock(_mutex);
+    assert(albedo.size() == 0 || (albedo.width() == width() && albedo.height() == height()));
+    _albedo = std::move(albedo);
+    _albedoTexture = nullptr;
+    _chain.touch(_albedoValue);
 }
 
 void TileLighting::setSky(const SkyLight& sky)
@@ -212,14 +257,42 @@ Status TileLighting::runShade(osg::State& state)
                          {GpuPass::groupsFor(width(), 8), GpuPass::groupsFor(height(), 8), 1});
 }
 
+Status TileLighting::runPyramid(osg::State& state)
+{
+    if (!_bounce)
+        _bounce = new BouncePass(_tile, _heights, _eastSpacings,
+                                 BounceScheme::of(_settings.quality), _settings.azimuths);
+    return _bounce->dispatchHeights(state);
+}
+
+Status TileLighting::runBounce(osg::State& state)
+{
+    if (!_albedoTexture)
+        _albedoTexture =
+            createColourTexture(_albedo.size() ? _albedo : Raster<Rgb>(1, 1, _settings.albedo));
+    return _bounce->dispatch(state, _settings.bounces, _sky, _horizon->horizon(), _albedoTexture,
+                             _shading);
+}
+
+Raster<osg::Vec4f> TileLighting::readColours(osg::State& state, osg::Texture2D& texture) const
+{
+    const std::vector<float> values = readFloats(state, texture, 4);
+    Raster<osg::Vec4f> colours(width(), height());
+    for (std::size_t i = 0; i < colours.size(); ++i)
+        colours.values()[i] =
+            osg::Vec4f(values[4 * i], values[4 * i + 1], values[4 * i + 2], values[4 * i + 3]);
+    return colours;
+}
+
 Raster<osg::Vec4f> TileLighting::readShading(osg::State& state) const
 {
-    const std::vector<float> values = readFloats(state, *_shading, 4);
-    Raster<osg::Vec4f> shading(width(), height());
-    for (std::size_t i = 0; i < shading.size(); ++i)
-        shading.values()[i] =
-            osg::Vec4f(values[4 * i], values[4 * i + 1], values[4 * i + 2], values[4 * i + 3]);
-    return shading;
+    return readColours(state, *_shading);
+}
+
+Raster<osg::Vec4f> TileLighting::readLastBounce(osg::State& state) const
+{
+    assert(_bounce);
+    return readColours(state, *_bounce->light());
 }
 
 Raster<float> TileLighting::readSkyView(osg::State& state) const
@@ -273,7 +346,10 @@ void TileLighting::releaseGLObjects(osg::State* state) const
             pass->releaseGLObjects(state);
     for (const auto& pass : {_skyPass, _shadePass})
         pass->releaseGLObjects(state);
-    for (const auto& texture : {_heights, _eastSpacings, _skyView, _shading, _nothing})
+    if (_bounce)
+        _bounce->releaseGLObjects(state);
+    for (const auto& texture :
+         {_heights, _eastSpacings, _skyView, _shading, _albedoTexture, _nothing})
         if (texture)
             texture->releaseGLObjects(state);
     _nothingLayered->releaseGLObjects(state);
@@ -287,7 +363,10 @@ void TileLighting::resizeGLObjectBuffers(unsigned size)
             pass->resizeGLObjectBuffers(size);
     for (const auto& pass : {_skyPass, _shadePass})
         pass->resizeGLObjectBuffers(size);
-    for (const auto& texture : {_heights, _eastSpacings, _skyView, _shading, _nothing})
+    if (_bounce)
+        _bounce->resizeGLObjectBuffers(size);
+    for (const auto& texture :
+         {_heights, _eastSpacings, _skyView, _shading, _albedoTexture, _nothing})
         if (texture)
             texture->resizeGLObjectBuffers(size);
     _nothingLayered->resizeGLObjectBuffers(size);

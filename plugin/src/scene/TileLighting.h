@@ -10,6 +10,7 @@
 #include "core/Result.h"
 #include "gpu/GpuPass.h"
 #include "gpu/PassChain.h"
+#include "gpu/passes/BouncePass.h"
 #include "gpu/passes/HorizonPass.h"
 
 #include <osg/Referenced>
@@ -34,7 +35,7 @@ enum class SkyViewDefinition
 ///
 /// Setters may be called from any thread; update() and the read functions need the current context
 /// of their state. Stages: horizon (a sky is on), sky (ditto), sun (a sun is on and not wholly
-/// below the horizontal), shade.
+/// below the horizontal), shade, pyramid and bounce (bounces are on, and what they would bounce).
 class OSGTERRAINLIGHT_EXPORT TileLighting : public osg::Referenced
 {
 public:
@@ -53,6 +54,9 @@ public:
 
     void setSettings(const LightingSettings& settings);
     void setSky(const SkyLight& sky);
+
+    /// Albedo per post, 0 … 1, row 0 south, instead of the settings'; empty: theirs again.
+    void setAlbedo(Raster<Rgb> albedo);
 
     /// Every stage runs again at the next update: for measurements, and after a shader was edited.
     void touch();
@@ -73,6 +77,9 @@ public:
     Raster<float>
     readSkyView(osg::State& state) const;             ///< NaN where void; precondition: a sky is on
     HorizonMap readHorizons(osg::State& state) const; ///< precondition: a sky is on
+    /// Of the last bounce alone: rgb = irradiance / π, a = 1; 0 where void. Precondition: bounces
+    /// are on.
+    Raster<osg::Vec4f> readLastBounce(osg::State& state) const;
     unsigned readDroppedVertices(osg::State& state) const; ///< of both sweeps
 
     void setTimed(bool timed) { _chain.setTimed(timed); }
@@ -88,10 +95,15 @@ private:
 
     bool skyNeeded() const { return _sky.skyEnabled; }
     bool sunNeeded() const { return needsSun(_sky); }
+    bool bounceNeeded() const;
+    bool horizonNeeded() const { return skyNeeded() || bounceNeeded(); }
+    Raster<osg::Vec4f> readColours(osg::State& state, osg::Texture2D& texture) const;
     Status runHorizon(osg::State& state);
     Status runSky(osg::State& state);
     Status runSun(osg::State& state);
     Status runShade(osg::State& state);
+    Status runPyramid(osg::State& state);
+    Status runBounce(osg::State& state);
 
     mutable OpenThreads::Mutex _mutex;
     DemTile _tile;
@@ -100,7 +112,7 @@ private:
     SkyViewDefinition _definition;
 
     mutable PassChain _chain;
-    PassChain::Value _settingsValue, _sunPlaceValue, _lightValue;
+    PassChain::Value _settingsValue, _sunPlaceValue, _lightValue, _albedoValue;
 
     osg::ref_ptr<osg::Texture2D> _heights;
     osg::ref_ptr<osg::Texture2D> _eastSpacings;
@@ -110,6 +122,9 @@ private:
     osg::ref_ptr<osg::Texture2D> _shading;
     osg::ref_ptr<GpuPass> _skyPass;
     osg::ref_ptr<GpuPass> _shadePass;
+    osg::ref_ptr<BouncePass> _bounce;
+    Raster<Rgb> _albedo; ///< empty: the settings'
+    osg::ref_ptr<osg::Texture2D> _albedoTexture;
     osg::ref_ptr<osg::Texture2D> _nothing; ///< one texel, stands for the texture of an absent stage
     osg::ref_ptr<osg::Texture2DArray> _nothingLayered;
 };

@@ -1,0 +1,295 @@
+#include "gpu/passes/BouncePass.h"
+
+#include "core/AzimuthSet.h"
+#include "gpu/GlConstants.h"
+#include "gpu/Textures.h"
+#include "gpu/passes/GridDirection.h"
+#include "gpu/passes/HorizonPass.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+constexpr std::size_t maxSamples = 128;
+constexpr std::size_t maxLevels = 16;
+
+osg::ref_ptr<osg::Uniform> rectangle(const char* name, const PyramidLayout::Level& level)
+{
+    osg::ref_ptr<osg::Uniform> uniform = new osg::Uniform(osg::Uniform::INT_VEC4, name);
+    uniform->set(level.x, level.y, level.width, level.height);
+    return uniform;
+}
+} // namespace
+
+namespace
+{
+/// Level 1 on the left; the others, all no higher together, in a column beside it.
+PyramidLayout layOut(int columns, int rows, int smallest, int (*coarser)(int))
+{
+    PyramidLayout layout;
+    layout.levels.push_back({0, 0, columns, rows});
+    int top = 0;
+    while (layout.levels.back().width > smallest || layout.levels.back().height > smallest)
+    {
+        const PyramidLayout::Level& finer = layout.levels.back();
+        PyramidLayout::Level level{0, 0, coarser(finer.width), coarser(finer.height)};
+        if (layout.levels.size() > 1)
+        {
+            level.x = layout.levels[1].width;
+            level.y = top;
+            top += level.height;
+        }
+        layout.levels.push_back(level);
+        layout.width = std::max(layout.width, level.x + level.width);
+        layout.height = std::max(layout.height, level.y + level.height);
+    }
+    return layout;
+}
+} // namespace
+
+PyramidLayout PyramidLayout::ofPosts(int columns, int rows)
+{
+    // The last post of an even count is beyond the last texel but one.
+    return layOut(columns, rows, 2, [](int count) { return count / 2 + 1; });
+}
+
+PyramidLayout PyramidLayout::ofCells(int columns, int rows)
+{
+    return layOut(columns, rows, 1, [](int count) { return (count + 1) / 2; });
+}
+
+BounceScheme BounceScheme::of(HorizonQuality quality)
+{
+    switch (quality)
+    {
+    case HorizonQuality::Draft:
+        return {4.0, 4.0};
+    case HorizonQuality::Best:
+        return {16.0, 8.0};
+    default:
+        return {8.0, 5.0};
+    }
+}
+
+std::vector<BounceSample> bounceSamples(const BounceScheme& scheme, int reach, int levelCount)
+{
+    const auto levelAt = [&](double distance)
+    {
+        return std::clamp(static_cast<int>(std::floor(std::log2(distance) - scheme.offset + 0.5)),
+                          0, levelCount - 1);
+    };
+    std::vector<BounceSample> samples;
+    const double ratio = std::exp2(1.0 / scheme.samplesPerOctave);
+    double last = 0.0;
+    for (double distance = 1.0; distance <= reach;)
+    {
+        const int level = levelAt(distance);
+        const double place = level == 0 ? std::round(distance) : distance;
+        const double between = 0.5 * (last + place);
+        // Samples that read posts come first, and all of them read cells.
+        samples.push_back({place, level, between, level == 0 ? 0 : std::max(1, levelAt(between))});
+        last = place;
+        distance = std::max(distance * ratio, place + 1.0);
+    }
+    if (samples.size() > maxSamples)
+        return bounceSamples({scheme.samplesPerOctave * 0.9, scheme.offset}, reach, levelCount);
+    return samples;
+}
+
+BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Texture2D* eastSpacings,
+                       const BounceScheme& scheme, int azimuths)
+    : _width(tile.width()), _height(tile.height()), _posts(PyramidLayout::ofPosts(_width, _height)),
+      _cells(PyramidLayout::ofCells(_width - 1, _height - 1)), _heights(heights),
+      _directRadiance(new GpuPass("radiance", {"DIRECT"})),
+      _bouncedRadiance(new GpuPass("radiance")), _firstBounce(new GpuPass("bounce", {"DIRECT"})),
+      _nextBounce(new GpuPass("bounce")),
+      _firstHeights(new GpuPass("pyramid", {"HEIGHTS", "FROM_POSTS"})),
+      _nextHeights(new GpuPass("pyramid", {"HEIGHTS"})), _reduceRadiance(new GpuPass("pyramid"))
+{
+    assert(_posts.levels.size() <= maxLevels && _cells.levels.size() <= maxLevels);
+    _heightPyramid = createTarget(_posts.width, _posts.height, GL_RG32F);
+    _radiancePyramid = createTarget(_cells.width, _cells.height, GL_RGBA16F_ARB);
+    _radiance = createTarget(std::max(1, _width - 1), std::max(1, _height - 1), GL_RGBA16F_ARB);
+    _light = createTarget(_width, _height, GL_RGBA16F_ARB);
+
+    const AzimuthSet set(azimuths);
+    Raster<float> lengths(azimuths, _height);
+    osg::ref_ptr<osg::Uniform> directions =
+        new osg::Uniform(osg::Uniform::FLOAT_VEC4, "directions", 256);
+    for (int k = 0; k < azimuths; ++k)
+    {
+        const GridDirection grid(tile, set.direction(k));
+        directions->setElement(static_cast<unsigned>(k),
+                               osg::Vec4f(static_cast<float>(grid.drift),
+                                          static_cast<float>(grid.look), grid.north ? 1.0f : 0.0f,
+                                          0.0f));
+        for (int row = 0; row < _height; ++row)
+            lengths.at(k, row) =
+                static_cast<float>(grid.stepLength(tile.eastSpacing(row), tile.northSpacing));
+    }
+    _stepLengths = createFloatTexture(lengths);
+
+    const std::vector<BounceSample> samples =
+        bounceSamples(scheme, std::max(_width, _height) - 1,
+                      static_cast<int>(std::min(_posts.levels.size(), _cells.levels.size())));
+    osg::ref_ptr<osg::Uniform> table =
+        new osg::Uniform(osg::Uniform::FLOAT_VEC4, "samples", static_cast<int>(maxSamples));
+    int nearCount = 0;
+    for (unsigned i = 0; i < samples.size(); ++i)
+    {
+        table->setElement(i, osg::Vec4f(static_cast<float>(samples[i].distance),
+                                        static_cast<float>(samples[i].level),
+                                        static_cast<float>(samples[i].between),
+                                        static_cast<float>(samples[i].radianceLevel)));
+        nearCount += samples[i].level == 0 ? 1 : 0;
+    }
+    const auto bounces = {_firstBounce, _nextBounce};
+    for (const auto& [name, layout] :
+         {std::pair{"heightLevels", &_posts}, {"radianceLevels", &_cells}})
+    {
+        osg::ref_ptr<osg::Uniform> levels =
+            new osg::Uniform(osg::Uniform::INT_VEC4, name, static_cast<int>(maxLevels));
+        for (unsigned i = 0; i < layout->levels.size(); ++i)
+        {
+            const PyramidLayout::Level& level = layout->levels[i];
+            levels->setElement(i, level.x, level.y, level.width, level.height);
+        }
+        for (const auto& pass : bounces)
+            pass->set(levels);
+    }
+    for (const auto& pass : {_directRadiance, _bouncedRadiance, _firstBounce, _nextBounce})
+    {
+        pass->reads("heights", heights);
+        pass->set("size", _width, _height);
+        pass->set("frame", int(HorizonPass::frame));
+    }
+    for (const auto& pass : {_directRadiance, _firstBounce, _nextBounce})
+    {
+        pass->reads("eastSpacings", eastSpacings);
+        pass->set("azimuths", azimuths);
+        pass->set("northSpacing", static_cast<float>(tile.northSpacing));
+    }
+    for (const auto& pass : {_directRadiance, _bouncedRadiance})
+        pass->writes(0, _radiance);
+    _bouncedRadiance->reads("light", _light);
+    for (const auto& pass : bounces)
+    {
+        pass->writes(1, _light, GpuPass::Access::ReadWrite);
+        pass->reads("radiance", _radiance);
+        pass->reads("stepLengths", _stepLengths);
+        pass->reads("heightPyramid", _heightPyramid);
+        pass->reads("radiancePyramid", _radiancePyramid);
+        pass->set(directions);
+        pass->set(table);
+        pass->set("nearCount", nearCount);
+        pass->set("sampleCount", static_cast<int>(samples.size()));
+    }
+}
+
+Status BouncePass::reduce(osg::State& state, const PyramidLayout& layout, GpuPass& first,
+                          osg::Texture2D* finest, int frame, GpuPass& next, osg::Texture2D* pyramid)
+{
+    Status done = Nothing{};
+    for (std::size_t i = 1; done && i < layout.levels.size(); ++i)
+    {
+        GpuPass& pass = i == 1 ? first : next;
+        PyramidLayout::Level from = layout.levels[i - 1];
+        if (i == 1)
+            from.x = from.y = frame;
+        const PyramidLayout::Level& to = layout.levels[i];
+        pass.reads("finer", i == 1 ? finest : pyramid);
+        pass.set(rectangle("from", from));
+        pass.set(rectangle("to", to));
+        pass.writes(0, pyramid);
+        done = pass.dispatch(
+            state, {GpuPass::groupsFor(to.width, 8), GpuPass::groupsFor(to.height, 8), 1});
+    }
+    return done;
+}
+
+Status BouncePass::dispatchHeights(osg::State& state)
+{
+    return reduce(state, _posts, *_firstHeights, _heights, HorizonPass::frame, *_nextHeights,
+                  _heightPyramid);
+}
+
+Status BouncePass::dispatch(osg::State& state, int bounces, const SkyLight& sky,
+                            osg::Texture2DArray* horizon, osg::Texture2D* albedo,
+                            osg::Texture2D* shading)
+{
+    const GpuPass::Groups groups = {GpuPass::groupsFor(_width, 8), GpuPass::groupsFor(_height, 8),
+                                    1};
+    const auto vec3 = [](const auto& v)
+    {
+        return osg::Vec3f(static_cast<float>(v[0]), static_cast<float>(v[1]),
+                          static_cast<float>(v[2]));
+    };
+    _directRadiance->reads("light", shading);
+    for (const auto& pass : {_directRadiance, _firstBounce})
+    {
+        pass->set("hasSky", sky.skyEnabled);
+        pass->set("skyRadiance", vec3(sky.skyEnabled ? sky.skyRadiance : Rgb{}));
+        pass->set("sunIrradiance", vec3(sky.sunEnabled ? sky.sunIrradiance : Rgb{}));
+        pass->set("sunDirection", vec3(sky.sunDirection()));
+    }
+    for (const auto& pass : {_directRadiance, _firstBounce, _nextBounce})
+        pass->reads("horizon", horizon);
+    for (const auto& pass : {_directRadiance, _bouncedRadiance, _firstBounce, _nextBounce})
+        pass->reads("albedo", albedo);
+    for (const auto& pass : {_firstBounce, _nextBounce})
+        pass->writes(0, shading, GpuPass::Access::ReadWrite);
+    Status done = Nothing{};
+    for (int bounce = 0; done && bounce < bounces; ++bounce)
+    {
+        done = (bounce == 0 ? _directRadiance : _bouncedRadiance)->dispatch(state, groups);
+        if (done)
+            done = reduce(state, _cells, *_reduceRadiance, _radiance, 0, *_reduceRadiance,
+                          _radiancePyramid);
+        if (done)
+            done = (bounce == 0 ? _firstBounce : _nextBounce)->dispatch(state, groups);
+    }
+    return done;
+}
+
+std::vector<osg::Texture2D*> BouncePass::textures() const
+{
+    return {_stepLengths, _heightPyramid, _radiancePyramid, _radiance, _light};
+}
+
+std::vector<GpuPass*> BouncePass::passes() const
+{
+    return {_directRadiance, _bouncedRadiance, _firstBounce,   _nextBounce,
+            _firstHeights,   _nextHeights,     _reduceRadiance};
+}
+
+std::size_t BouncePass::bytes() const
+{
+    std::size_t sum = 0;
+    for (const osg::Texture2D* texture : textures())
+        sum += textureBytes(*texture);
+    return sum;
+}
+
+void BouncePass::releaseGLObjects(osg::State* state) const
+{
+    for (const GpuPass* pass : passes())
+        pass->releaseGLObjects(state);
+    for (const osg::Texture2D* texture : textures())
+        texture->releaseGLObjects(state);
+}
+
+void BouncePass::resizeGLObjectBuffers(unsigned size)
+{
+    for (GpuPass* pass : passes())
+        pass->resizeGLObjectBuffers(size);
+    for (osg::Texture2D* texture : textures())
+        texture->resizeGLObjectBuffers(size);
+}
+
+} // namespace osgTerrainLight

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <osgTerrainLight/DemTile.h>
+#include <osgTerrainLight/Export.h>
+#include <osgTerrainLight/LightingSettings.h>
+#include <osgTerrainLight/SkyLight.h>
+
+#include "core/Result.h"
+#include "gpu/GpuPass.h"
+
+#include <osg/Texture2D>
+#include <osg/Texture2DArray>
+
+#include <cstddef>
+#include <vector>
+
+namespace osgTerrainLight
+{
+
+/// How a bounce samples the terrain that a post sees. docs/ARCHITECTURE.md has the measurements.
+struct OSGTERRAINLIGHT_EXPORT BounceScheme
+{
+    /// Samples per doubling of the distance, 1 … 16: the level step k of Nowrouzezahrai and Snyder
+    /// 2009. Where they would be less than a post apart, there is one per post.
+    double samplesPerOctave = 8.0;
+    /// How many octaves finer than the distance a level is read, 0 … 8: their level offset o.
+    double offset = 5.0;
+
+    static BounceScheme of(HorizonQuality quality);
+};
+
+/// Where the levels of a pyramid stand in its texture. Level 0 is a texture of its own.
+struct OSGTERRAINLIGHT_EXPORT PyramidLayout
+{
+    struct Level
+    {
+        int x = 0, y = 0, width = 0, height = 0;
+    };
+    std::vector<Level> levels;
+    int width = 1, height = 1; ///< of the texture of the levels above 0 [texels]
+
+    static PyramidLayout ofPosts(int columns, int rows);
+    static PyramidLayout ofCells(int columns, int rows);
+};
+
+/// One sample of a ray: a height, and the radiance between it and the sample before.
+struct BounceSample
+{
+    double distance; ///< steps along the axis that the ray crosses faster
+    int level;
+    double between;
+    int radianceLevel;
+};
+
+/// Samples up to `reach` steps away, nearest first. Those of level 0 are at whole steps, and come
+/// first. Fewer per octave than the scheme asks for where that is more than a pass can hold (128).
+OSGTERRAINLIGHT_EXPORT std::vector<BounceSample> bounceSamples(const BounceScheme& scheme,
+                                                               int reach, int levelCount);
+
+/// Diffuse bounces of light between the posts of a tile.
+class OSGTERRAINLIGHT_EXPORT BouncePass : public osg::Referenced
+{
+public:
+    /// heights: createHeightTexture(tile, HorizonPass::frame). eastSpacings: one texel per row.
+    BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Texture2D* eastSpacings,
+               const BounceScheme& scheme, int azimuths);
+
+    /// Builds the pyramid of heights.
+    Status dispatchHeights(osg::State& state);
+
+    /// Adds `bounces` ≥ 1 bounces to `shading` (RGBA16F, irradiance / π in, and out). horizon: of
+    /// as many azimuths. albedo: a texel per post, or one for all.
+    Status dispatch(osg::State& state, int bounces, const SkyLight& sky,
+                    osg::Texture2DArray* horizon, osg::Texture2D* albedo, osg::Texture2D* shading);
+
+    /// RGBA16F: irradiance / π of the last bounce.
+    osg::Texture2D* light() const { return _light; }
+
+    /// All textures [bytes].
+    std::size_t bytes() const;
+
+    void releaseGLObjects(osg::State* state) const;
+    void resizeGLObjectBuffers(unsigned size);
+
+private:
+    ~BouncePass() override = default;
+    /// first: from level 0, which begins at texel (frame, frame); next: from each other.
+    Status reduce(osg::State& state, const PyramidLayout& layout, GpuPass& first,
+                  osg::Texture2D* finest, int frame, GpuPass& next, osg::Texture2D* pyramid);
+    std::vector<osg::Texture2D*> textures() const;
+    std::vector<GpuPass*> passes() const;
+
+    int _width, _height;
+    PyramidLayout _posts, _cells;
+    osg::ref_ptr<osg::Texture2D> _heights;
+    osg::ref_ptr<osg::Texture2D> _stepLengths;
+    osg::ref_ptr<osg::Texture2D> _heightPyramid;
+    osg::ref_ptr<osg::Texture2D> _radiancePyramid;
+    osg::ref_ptr<osg::Texture2D> _radiance; ///< of cells
+    osg::ref_ptr<osg::Texture2D> _light;
+    osg::ref_ptr<GpuPass> _directRadiance, _bouncedRadiance; ///< of cells
+    osg::ref_ptr<GpuPass> _firstBounce, _nextBounce;
+    osg::ref_ptr<GpuPass> _firstHeights, _nextHeights, _reduceRadiance;
+};
+
+} // namespace osgTerrainLight

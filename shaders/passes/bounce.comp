@@ -1,0 +1,182 @@
+// One bounce of diffuse light: what a post receives from the terrain it sees (MATHS, "One slice,
+// exactly"; casting set of Nowrouzezahrai and Snyder 2009, section 3).
+layout(local_size_x = 8, local_size_y = 8) in;
+
+uniform sampler2D heights;      // R32F [m], framed by `frame` void posts, row 0 south
+uniform sampler2D eastSpacings; // R32F [m], one texel per row
+uniform sampler2D stepLengths;  // R32F [m]: ground length of a step of azimuth x in row y
+uniform sampler2D albedo;       // one texel per post, or one for all
+uniform sampler2D radiance;     // rgb = what cells send out, a = 1 where valid
+uniform sampler2D heightPyramid;   // RG32F: height times weight, weight
+uniform sampler2D radiancePyramid; // RGBA16F: radiance times weight, weight
+uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k/m from east
+layout(rgba16f, binding = 0) uniform image2D shading; // += irradiance / pi
+layout(rgba16f, binding = 1) uniform image2D light; // irradiance / pi of the last bounce; of this one
+
+uniform ivec2 size; // posts
+uniform int frame;
+uniform int azimuths;
+uniform float northSpacing;   // [m]
+uniform vec4 directions[256]; // drift along the minor axis per step, look, 1 where north, -
+// Along a ray: distance [steps] and level of a sample's height, the same of the radiance between it and
+// the sample before. The first nearCount are whole steps and read posts.
+uniform vec4 samples[128];
+uniform int nearCount;
+uniform int sampleCount;
+// x, y, width, height in the pyramids' textures; the first is not used.
+uniform ivec4 heightLevels[16];
+uniform ivec4 radianceLevels[16];
+
+#ifdef DIRECT
+uniform bool hasSky;
+uniform vec3 skyRadiance;
+uniform vec3 sunIrradiance; // 0 where there is none
+uniform vec3 sunDirection;
+
+// Direct irradiance / pi of the corners of the four cells that meet at a post, south-west, south-east,
+// north-west, north-east: each with that cell's normal there. Cells with a void corner: 0.
+struct CornerLight
+{
+    vec3 light[4];
+};
+
+CornerLight lightOfCorners(ivec2 post, Length here, Length east, float visible)
+{
+    vec3 normals[4];
+    float sky[4];
+    for (int i = 0; i < 4; ++i)
+    {
+        ivec2 side = ivec2(i % 2, i / 2) * 2 - 1;
+        Length besideX = postHeight(heights, post + frame + ivec2(side.x, 0));
+        Length besideY = postHeight(heights, post + frame + ivec2(0, side.y));
+        normals[i] = normalize(vec3(float(side.x) * (here - besideX) * northSpacing,
+                                    float(side.y) * (here - besideY) * east, east * northSpacing));
+        sky[i] = 0.0;
+    }
+    float width = 2.0 * PI / float(azimuths);
+    for (int k = 0; k < (hasSky ? azimuths : 0); ++k)
+    {
+        float phi = width * float(k);
+        Angle elevation = elevationOfCode(texelFetch(horizon, ivec3(post, k), 0).x);
+        for (int i = 0; i < 4; ++i)
+            sky[i] += skySlice(elevation, normals[i], cos(phi), sin(phi), width, 0);
+    }
+    CornerLight corners;
+    for (int i = 0; i < 4; ++i)
+        corners.light[i] = skyRadiance * sky[i] +
+                           sunIrradiance * (visible * max(dot(normals[i], sunDirection), 0.0) / PI);
+    return corners;
+}
+#endif
+
+void main()
+{
+    ivec2 post = ivec2(gl_GlobalInvocationID.xy);
+    if (post.x >= size.x || post.y >= size.y)
+        return;
+    Length here = postHeight(heights, post + frame);
+    if (isVoid(here))
+    {
+        imageStore(light, post, vec4(0.0));
+        return;
+    }
+    Length east = texelFetch(eastSpacings, ivec2(0, post.y), 0).x;
+    vec3 normal = postNormal(heights, post + frame, east, northSpacing);
+    vec3 colour = texelFetch(albedo, min(post, textureSize(albedo, 0) - 1), 0).rgb;
+    vec4 before = imageLoad(shading, post);
+#ifdef DIRECT
+    CornerLight corners = lightOfCorners(post, here, east, before.a);
+#else
+    vec3 own = colour * imageLoad(light, post).rgb;
+#endif
+    vec2 heightScale = 1.0 / vec2(textureSize(heightPyramid, 0));
+    vec2 radianceScale = 1.0 / vec2(textureSize(radiancePyramid, 0));
+    float width = 2.0 * PI / float(azimuths);
+    vec3 sum = vec3(0.0);
+    for (int k = 0; k < azimuths; ++k)
+    {
+        vec4 direction = directions[k];
+        int look = int(direction.y);
+        bool north = direction.z != 0.0;
+        float drift = direction.x * float(look);
+        ivec2 major = north ? ivec2(0, look) : ivec2(look, 0);
+        ivec2 minor = north ? ivec2(1, 0) : ivec2(0, 1);
+        vec2 step = vec2(major) + drift * vec2(minor);
+        Length stepLength = texelFetch(stepLengths, ivec2(k, post.y), 0).x;
+        float code = texelFetch(horizon, ivec3(post, k), 0).x;
+        Angle elevation = elevationOfCode(max(code, 1.0 / 65535.0));
+        Slope cap = tan(clamp(elevation, -1.57, 1.57));
+        float phi = width * float(k);
+        float cosine = cos(phi);
+        float sine = sin(phi);
+        float nh = normal.x * cosine + normal.y * sine;
+        // Irradiance of unit radiance from the zenith down to a slope.
+        vec2 facing = vec2(normal.z, nh);
+        Slope highest = -nh / normal.z;
+        float below = dot(facing, sliceMoments(highest, width));
+        // Much of what a post sees is the cell it stands on, from where the cell begins.
+        ivec2 side = ivec2(drift < 0.0 ? -minor : minor);
+        Length ahead = postHeight(heights, post + major + frame);
+        Length beside = postHeight(heights, post + side + frame);
+        Slope slope = (ahead - here + abs(drift) * (beside - here)) / stepLength;
+        bool seen = !isVoid(ahead) && !isVoid(beside) && slope > highest;
+        highest = seen ? max(highest, min(slope, cap)) : highest;
+#ifdef DIRECT
+        ivec2 quadrant = max(major + side, ivec2(0));
+        vec3 last = colour * corners.light[quadrant.x + 2 * quadrant.y];
+#else
+        vec3 last = own;
+#endif
+        float above = dot(facing, sliceMoments(highest, width));
+        vec3 arrived = (below - above) * last;
+        below = above;
+        for (int i = 0; i < nearCount; ++i)
+        {
+            float distance = samples[i].x;
+            float offset = drift * distance;
+            float whole = floor(offset);
+            ivec2 place = post + major * int(distance) + minor * int(whole);
+            bool inside = all(greaterThanEqual(place, ivec2(0))) && all(lessThan(place, size));
+            Length height = crossingHeight(
+                postHeight(heights, clamp(place, ivec2(0), size - 1) + frame),
+                postHeight(heights, clamp(place + minor, ivec2(0), size - 1) + frame), offset - whole);
+            ivec2 cell = ivec2(floor(vec2(post) + samples[i].z * step));
+            vec3 sent = texelFetch(radiance, clamp(cell, ivec2(0), size - 2), 0).rgb;
+            slope = (height - here) / (distance * stepLength);
+            seen = inside && !isVoid(height) && slope > highest;
+            highest = seen ? max(highest, min(slope, cap)) : highest;
+            above = dot(facing, sliceMoments(highest, width));
+            arrived += (below - above) * sent;
+            below = above;
+            last = seen ? sent : last;
+        }
+        for (int i = nearCount; i < sampleCount; ++i)
+        {
+            vec2 place = vec2(post) + samples[i].x * step;
+            bool inside = all(greaterThanEqual(place, vec2(0.0))) &&
+                          all(lessThanEqual(place, vec2(size - 1)));
+            ivec4 level = heightLevels[int(samples[i].y)];
+            vec2 texel = clamp(place * exp2(-samples[i].y), vec2(0.0), vec2(level.zw - 1));
+            vec2 height = textureLod(heightPyramid, (vec2(level.xy) + texel + 0.5) * heightScale, 0.0).xy;
+            level = radianceLevels[int(samples[i].w)];
+            texel = clamp((vec2(post) + samples[i].z * step) * exp2(-samples[i].w), vec2(0.5),
+                          vec2(level.zw) - 0.5);
+            vec4 sent = textureLod(radiancePyramid, (vec2(level.xy) + texel) * radianceScale, 0.0);
+            sent.rgb /= max(sent.a, 1.0e-3);
+            slope = (height.x / max(height.y, 1.0e-3) - here) / (samples[i].x * stepLength);
+            seen = inside && height.y > 0.5 && slope > highest;
+            highest = seen ? max(highest, min(slope, cap)) : highest;
+            above = dot(facing, sliceMoments(highest, width));
+            arrived += (below - above) * sent.rgb;
+            below = above;
+            last = seen ? sent.rgb : last;
+        }
+        // Up to the crest, which coarse samples under-estimate.
+        highest = max(highest, cap);
+        arrived += (below - dot(facing, sliceMoments(highest, width))) * last;
+        sum += arrived;
+    }
+    sum /= PI;
+    imageStore(shading, post, vec4(roundedToHalf(before.rgb + sum), before.a));
+    imageStore(light, post, vec4(roundedToHalf(sum), 1.0));
+}
