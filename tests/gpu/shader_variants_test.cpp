@@ -24,6 +24,7 @@ struct Variant
 
 /// Every combination of defines in use. One that is not listed does not exist.
 const std::vector<Variant> variants = {
+    {"frame_heights", {}},
     {"horizon_near", {}},
     {"horizon_scan", {}},
     // The nearest line; one line per post (Draft, Normal), or more.

@@ -9,6 +9,7 @@
 #include "core/Raster.h"
 #include "core/Result.h"
 #include "gpu/GpuPass.h"
+#include "gpu/HeightTexture.h"
 #include "gpu/PassChain.h"
 #include "gpu/passes/HorizonPass.h"
 
@@ -33,8 +34,8 @@ enum class SkyViewDefinition
 /// One tile's pass chain and textures: heights and light in, shading texture out.
 ///
 /// Setters may be called from any thread; update() and the read functions need the current context
-/// of their state. Stages: horizon (a sky is on), sky (ditto), sun (a sun is on and not wholly
-/// below the horizontal), shade.
+/// of their state. Stages: heights (they have been set), horizon (a sky is on), sky (ditto), sun (a
+/// sun is on and not wholly below the horizontal), shade.
 class OSGTERRAINLIGHT_EXPORT TileLighting : public osg::Referenced
 {
 public:
@@ -53,6 +54,14 @@ public:
 
     void setSettings(const LightingSettings& settings);
     void setSky(const SkyLight& sky);
+
+    /// Replaces all heights: width() x height() values [m above the tile's heightOrigin], row 0
+    /// south. What is not finite or beyond 1e6 m is void. tile() keeps those it was made with.
+    void setHeights(const std::vector<float>& heights);
+    /// The same from a texture, R32F, a texel per post, whose minifying filter has no mipmaps. It
+    /// is read in each context that updates, at the next update, and again after touchHeights().
+    void setHeightTexture(osg::Texture2D* posts);
+    void touchHeights();
 
     /// Every stage runs again at the next update: for measurements, and after a shader was edited.
     void touch();
@@ -88,6 +97,8 @@ private:
 
     bool skyNeeded() const { return _sky.skyEnabled; }
     bool sunNeeded() const { return needsSun(_sky); }
+    void setPosts(osg::Texture2D* posts);
+    Status runHeights(osg::State& state);
     Status runHorizon(osg::State& state);
     Status runSky(osg::State& state);
     Status runSun(osg::State& state);
@@ -100,9 +111,12 @@ private:
     SkyViewDefinition _definition;
 
     mutable PassChain _chain;
-    PassChain::Value _settingsValue, _sunPlaceValue, _lightValue;
+    PassChain::Value _heightsValue, _settingsValue, _sunPlaceValue, _lightValue;
 
     osg::ref_ptr<osg::Texture2D> _heights;
+    osg::ref_ptr<osg::Texture2D> _posts; ///< where heights come from; null: from _tile, for good
+    osg::ref_ptr<HeightTexture> _ownHeights; ///< of setHeights()
+    osg::ref_ptr<GpuPass> _framePass;
     osg::ref_ptr<osg::Texture2D> _eastSpacings;
     osg::ref_ptr<HorizonPass> _horizon;
     osg::ref_ptr<HorizonPass> _sun;
