@@ -24,7 +24,7 @@ ALLOWED = {
     "scene": {"scene", "gpu", "io", "core", "values", "public", "glsl_host",
               "std", "glm", "osg", "gl"},
     "osgdb": {"osgdb", "scene", "io", "core", "values", "public", "std", "osg"},
-    "samples": {"samples", "values", "public", "std", "osg"},
+    "samples": {"samples", "values", "public", "std", "osg", "gl"},
     "tools": {"tools", "scene", "gpu", "io", "core", "values", "public", "glsl_host",
               "std", "glm", "osg", "gl", "gdal", "openexr", "pugixml", "cli11", "posix",
               "reference"},
