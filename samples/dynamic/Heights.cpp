@@ -55,15 +55,15 @@ public:
     {
         tile = osgTerrainLight::DemTile(posts, posts, 4.0);
         for (int i = 0; i < posts * posts; ++i)
-            _slabs.push_back(static_cast<int>(_random() % 24u));
+            _slabs.push_back(8 + static_cast<int>(_random() % 3u));
         for (int row = 0; row < posts; ++row)
             for (int column = 0; column < posts; ++column)
-                tile.setHeight(column, row, slab * static_cast<float>(at(column, row)));
+                tile.setHeight(column, row, smoothed(column, row));
     }
 
     bool update(double, int width, int height, float* heights) override
     {
-        for (int i = 0; i < width * height / 4; ++i)
+        for (int i = 0; i < width * height / 2; ++i)
         {
             int column = pick();
             const int row = pick();
@@ -79,14 +79,25 @@ public:
             }
             put(column, row);
         }
-        for (int i = 0; i < width * height; ++i)
-            heights[i] = slab * static_cast<float>(_slabs[static_cast<std::size_t>(i)]);
+        for (int row = 0; row < height; ++row)
+            for (int column = 0; column < width; ++column)
+                heights[row * width + column] = smoothed(column, row);
         return true;
     }
 
 private:
-    static constexpr float slab = 0.5f; // [m]; a step of four slabs and 4 m is the angle of repose
-    static constexpr int steepest = 4;
+    static constexpr float slab = 1.2f; // [m]; steps of 4 m by two of them are the angle of repose
+    static constexpr int steepest = 2;
+
+    /// Mean of 3 x 3: single slabs are not to be seen.
+    float smoothed(int column, int row)
+    {
+        int sum = 0;
+        for (int y = -1; y <= 1; ++y)
+            for (int x = -1; x <= 1; ++x)
+                sum += at(column + x, row + y);
+        return slab * static_cast<float>(sum) / 9.0f;
+    }
 
     int pick() { return static_cast<int>(_random() % static_cast<unsigned>(_posts)); }
     int wrap(int place) const { return (place + _posts) % _posts; }
@@ -98,7 +109,7 @@ private:
     bool inLee(int column, int row)
     {
         for (int away = 1; away <= 24; ++away)
-            if (at(column - away, row) - at(column, row) > 2.1 * away)
+            if (at(column - away, row) - at(column, row) > 0.9 * away)
                 return true;
         return false;
     }

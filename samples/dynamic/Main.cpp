@@ -127,7 +127,7 @@ private:
 };
 
 /// Draws without a window; 0 where all went well.
-int drawFrames(osgViewer::Viewer& viewer, const TerrainLighting& lighting, Heights& ground,
+int drawFrames(osgViewer::Viewer& viewer, const TerrainLighting& lighting, const DemTile& tile,
                int frames, const std::string& picture)
 {
     constexpr int width = 640;
@@ -155,8 +155,15 @@ int drawFrames(osgViewer::Viewer& viewer, const TerrainLighting& lighting, Heigh
     for (int frame = 0; frame < frames; ++frame)
     {
         if (frame % 10 == 5) // as if someone clicked, in a spiral
-            ground.dig(ground.tile.width() * (0.5 + 0.004 * frame * std::cos(0.9 * frame)),
-                       ground.tile.height() * (0.5 + 0.004 * frame * std::sin(0.9 * frame)));
+        {
+            const double away = 0.004 * std::min(frame, 60);
+            osgGA::EventQueue& events = *window->getEventQueue();
+            events.getCurrentEventState()->setModKeyMask(osgGA::GUIEventAdapter::MODKEY_CTRL);
+            const float x = static_cast<float>(width * (0.5 + away * std::cos(0.9 * frame)));
+            const float y = static_cast<float>(height * (0.5 + away * std::sin(0.9 * frame)));
+            events.mouseButtonPress(x, y, 1);
+            events.mouseButtonRelease(x, y, 1);
+        }
         const auto start = std::chrono::steady_clock::now();
         viewer.frame(frame / 60.0);
         glFinish();
@@ -178,7 +185,7 @@ int drawFrames(osgViewer::Viewer& viewer, const TerrainLighting& lighting, Heigh
             return 1;
     }
     std::sort(milliseconds.begin(), milliseconds.end());
-    std::cout << ground.tile.width() << " x " << ground.tile.height() << " posts, " << frames
+    std::cout << tile.width() << " x " << tile.height() << " posts, " << frames
               << " frames: median " << milliseconds[milliseconds.size() / 2] << " ms, slowest "
               << milliseconds.back() << " ms (the first compiles); " << errors
               << " OpenGL errors; lit " << lighting.getDispatchCounts()["shade"] << " times\n";
@@ -243,9 +250,9 @@ int main(int argc, char** argv)
 
     osgViewer::Viewer viewer;
     viewer.setSceneData(lit);
-    if (frames > 0)
-        return drawFrames(viewer, *lit, *ground, frames, picture);
     viewer.addEventHandler(new Digger(*ground, shown));
+    if (frames > 0)
+        return drawFrames(viewer, *lit, ground->tile, frames, picture);
     viewer.addEventHandler(new osgViewer::StatsHandler);
     return viewer.run();
 }
