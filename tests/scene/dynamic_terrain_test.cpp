@@ -510,6 +510,7 @@ TEST(DynamicTerrain, ACallbackThatChangesNothingCostsNoDispatch)
             return change;
         });
     osg::ref_ptr<TerrainLighting> lighting = litTerrain(terrain);
+    lighting->addChild(terrain); // it stands in two places
     ScenePicture picture(lighting, reach);
     picture.draw(5);
     EXPECT_EQ(calls, 5);
@@ -816,9 +817,12 @@ TEST(DynamicTerrain, RefusesWhatItCannotUse)
     EXPECT_FALSE(lighting->addTile(static_cast<DynamicTerrain*>(nullptr)));
     EXPECT_FALSE(lighting->addTile(new DynamicTerrain));
     EXPECT_FALSE(lighting->addTile(new DynamicTerrain(DemTile(1, 5, 10.0))));
+    lighting->setTextureUnit(DynamicTerrain::heightUnit);
+    EXPECT_FALSE(lighting->addTile(terrain));
+    lighting->setTextureUnit(ShadingTexture::defaultUnit);
     EXPECT_TRUE(lighting->addTile(terrain));
     EXPECT_FALSE(lighting->addTile(terrain));
-    EXPECT_EQ(said.count("not added"), 4);
+    EXPECT_EQ(said.count("not added"), 5);
     EXPECT_EQ(lighting->getTileCount(), 1u);
 
     osg::ref_ptr<osg::Object> copy = terrain->clone(osg::CopyOp::SHALLOW_COPY);

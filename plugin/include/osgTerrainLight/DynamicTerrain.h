@@ -9,6 +9,7 @@
 #include <osg/Texture2D>
 
 #include <functional>
+#include <utility>
 #include <vector>
 
 namespace osgTerrainLight
@@ -33,10 +34,11 @@ namespace osgTerrainLight
 class OSGTERRAINLIGHT_EXPORT DynamicTerrain : public osg::Group
 {
 public:
-    /// Called in every update traversal. time: the frame's simulation time [s]. heights: width ×
-    /// height values [m above heightOrigin], row 0 south, NaN where void; as the last call left
-    /// them, to be changed in place. What is not finite or beyond ±1e6 m is void. Returns whether
-    /// any has changed: where it is false, nothing is uploaded or lit.
+    /// Called in every update traversal, once per frame; must not throw. time: the frame's
+    /// simulation time [s]. heights: width × height values [m above heightOrigin], row 0 south, NaN
+    /// where void; as the last call left them, to be changed in place. What is not finite or beyond
+    /// ±1e6 m is void. Returns whether any has changed: where it is false, nothing is uploaded or
+    /// lit.
     using HeightCallback = std::function<bool(double time, int width, int height, float* heights)>;
 
     /// Texture unit of the heights, for the vertex shader.
@@ -102,7 +104,7 @@ private:
     osg::BoundingBox _box;
     bool _rangeGiven = false;
     unsigned _revision = 0;
-    int _lastFrame = -1;
+    std::pair<unsigned, double> _lastFrame{~0u, 0.0}; ///< number and reference time
 };
 
 /// terrain_heights.glsl as a shader that a host adds to its program and calls:

@@ -207,10 +207,15 @@ void DynamicTerrain::include(float lowest, float highest)
 void DynamicTerrain::follow(osg::NodeVisitor& visitor)
 {
     const osg::FrameStamp* stamp = visitor.getFrameStamp();
-    const int frame = stamp ? static_cast<int>(stamp->getFrameNumber()) : -1;
-    if (!_own || (stamp && frame == _lastFrame))
-        return; // it stands in several places
-    _lastFrame = frame;
+    if (!_own)
+        return;
+    if (stamp)
+    {
+        const std::pair frame(stamp->getFrameNumber(), stamp->getReferenceTime());
+        if (frame == _lastFrame)
+            return; // it stands in several places
+        _lastFrame = frame;
+    }
     const bool colour = getStateSet() && getStateSet()->getTextureAttribute(
                                              0, osg::StateAttribute::TEXTURE) != nullptr;
     bool current = colour;

@@ -225,7 +225,8 @@ public:
     bool add(DynamicTerrain& terrain)
     {
         osg::StateSet* stateSet = terrain.getOrCreateStateSet();
-        if (!terrain.getHeightTexture() || _added.count(stateSet))
+        if (!terrain.getHeightTexture() || _added.count(stateSet) ||
+            _owner._textureUnit == DynamicTerrain::heightUnit)
             return false;
         takeFrom(stateSet);
         Lit& lit = _added[stateSet];
@@ -634,7 +635,8 @@ bool TerrainLighting::addTile(DynamicTerrain* terrain)
 {
     const bool added = terrain && _tiles->add(*terrain);
     if (!added)
-        warn("dynamic terrain not added: needs 2 x 2 posts or more, and not to have been added");
+        warn("dynamic terrain not added: needs 2 x 2 posts or more, not to have been added, and a "
+             "texture unit other than that of its heights");
     return added;
 }
 
