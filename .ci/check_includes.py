@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 
 PLAIN_VALUES = {"DemTile.h", "Export.h", "HorizonMap.h", "LightingSettings.h", "SkyLight.h"}
-MAY_USE_OSG = {"TerrainLighting.h", "PlacedObject.h", "ShadingTexture.h"}
+MAY_USE_OSG = {"DynamicTerrain.h", "TerrainLighting.h", "PlacedObject.h", "ShadingTexture.h"}
 
 # Package -> what its files may include: packages of ours (`values` are the public headers of plain
 # values, `public` the other public headers) and families of foreign headers.
@@ -24,7 +24,7 @@ ALLOWED = {
     "scene": {"scene", "gpu", "io", "core", "values", "public", "glsl_host",
               "std", "glm", "osg", "gl"},
     "osgdb": {"osgdb", "scene", "io", "core", "values", "public", "std", "osg"},
-    "samples": {"samples", "values", "public", "std", "osg"},
+    "samples": {"samples", "values", "public", "std", "osg", "gl"},
     "tools": {"tools", "scene", "gpu", "io", "core", "values", "public", "glsl_host",
               "std", "glm", "osg", "gl", "gdal", "openexr", "pugixml", "cli11", "posix",
               "reference"},

@@ -5,6 +5,9 @@ uniform float osgTerrainLight_exposure; // multiplies the scene-linear colour
 
 varying vec2 shadingCoordinate;
 varying vec2 colourCoordinate;
+#ifdef HOLES
+varying float hole; // > 0: the triangle has a void corner
+#endif
 
 vec4 terrainShading(vec2 coordinate);
 
@@ -25,6 +28,10 @@ vec3 srgbOfLinear(vec3 colour)
 
 void main()
 {
+#ifdef HOLES
+    if (hole > 0.0)
+        discard;
+#endif
     vec4 colour = vec4(1.0);
     if (osgTerrainLight_hasColour)
         colour = texture2D(osgTerrainLight_colour, colourCoordinate);

@@ -26,6 +26,7 @@ struct Variant
 const std::vector<Variant> variants = {
     {"bounce", {}},
     {"bounce", {"DIRECT"}},
+    {"frame_heights", {}},
     {"horizon_near", {}},
     {"horizon_scan", {}},
     // The nearest line; one line per post (Draft, Normal), or more.

@@ -1,6 +1,7 @@
 // Opens windows on a display, draws lit terrain in them while tiles and light change, and checks
 // each window's picture. Arguments: threading model, count of windows. Exit code 0, or 77 where
 // there is no display.
+#include <osgTerrainLight/DynamicTerrain.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include "scene/TerrainModel.h"
@@ -194,6 +195,42 @@ int main(int argc, char** argv)
             viewer.getView(i)->setSceneData(lighting);
     }
     check(false, "after edits of what is drawn");
+    {
+        // Heights that change in every frame, and at last are the cone's.
+        osg::ref_ptr<DynamicTerrain> dynamic =
+            new DynamicTerrain(analytic::plane(65, 65, 10.0, 0.0));
+        int frame = 0;
+        dynamic->setHeightCallback(
+            [&](double, int, int, float* heights)
+            {
+                const bool last = ++frame > 60;
+                for (std::size_t i = 0; i < cone.postCount(); ++i)
+                    heights[i] = cone.heights()[i] * (last ? 1.0f : 0.02f * float(frame % 50));
+                return frame <= 61;
+            });
+        osg::ref_ptr<osg::Node> still = lighting->getChild(0);
+        lighting->setChild(0, dynamic);
+        expect(lighting->addTile(dynamic), "dynamic terrain added");
+        for (int i = 0; i < 60; ++i)
+        {
+            lighting->setLightEnabled(i % 7 != 3);
+            if (i % 10 == 5)
+            {
+                lighting->removeTile(dynamic->getStateSet());
+                viewer.frame();
+                expect(lighting->addTile(dynamic), "dynamic terrain added again");
+            }
+            viewer.frame();
+        }
+        lighting->setLightEnabled(true);
+        check(false, "after heights changed");
+        const unsigned spent = lighting->getDispatchCount();
+        settle();
+        expect(lighting->getDispatchCount() == spent, "heights that stay dispatch nothing");
+        lighting->removeTile(dynamic->getStateSet());
+        lighting->setChild(0, still);
+    }
+    check(false, "after dynamic terrain went");
     expect(lighting->getTileCount() == 1, "one tile is left");
     viewer.stopThreading();
     return failures ? 1 : 0;

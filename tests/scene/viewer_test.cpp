@@ -91,6 +91,30 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& each)
     { return std::string(each.param.first) + std::to_string(each.param.second); });
 
+TEST(DynamicSample, DrawsWithoutAWindowAndDigsWhereOneClicks)
+{
+    OTL_NEED_GL(context);
+    const std::string program = "env LD_LIBRARY_PATH=" OTL_BINARY_DIR
+                                "/lib:$LD_LIBRARY_PATH OSG_LIBRARY_PATH=" OTL_BINARY_DIR
+                                "/lib " OTL_BINARY_DIR "/bin/dynamic ";
+    // Frames that change, 20 of them; the clicks are in the 6th and 16th.
+    const std::pair<std::string, int> ways[] = {{"waves --posts 40", 20},
+                                                {"dunes --posts 40", 20},
+                                                {"craters --posts 40", 3},
+                                                {"craters " + dem, 3}};
+    for (const auto& [way, lit] : ways)
+    {
+        const Outcome outcome = run(program + way + " --frames 20");
+        EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+        EXPECT_NE(outcome.output.find("20 frames"), std::string::npos) << outcome.output;
+        EXPECT_NE(outcome.output.find(" 0 OpenGL errors; lit " + std::to_string(lit) + " times"),
+                  std::string::npos)
+            << way << ": " << outcome.output;
+    }
+    EXPECT_EQ(run(program + "craters no_such.tif --frames 2").exitCode, 1);
+    EXPECT_EQ(run(program + "rivers").exitCode, 2);
+}
+
 TEST(Osgviewer, ShowsADemWithoutErrors)
 {
     OTL_NEED("xvfb-run");

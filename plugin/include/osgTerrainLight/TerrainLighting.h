@@ -21,6 +21,8 @@ class GUIEventHandler;
 namespace osgTerrainLight
 {
 
+class DynamicTerrain;
+
 /// Lights the terrain below it: every osgTerrain::TerrainTile, those that are added or paged in
 /// later too, and what addTile() is given.
 ///
@@ -78,14 +80,17 @@ public:
     /// osg::Object::DYNAMIC; one that was drawn in the last frame must have been so already.
     bool addTile(const DemTile& tile, osg::StateSet* stateSet,
                  const ShadingCoordinates& coordinates = {}, bool program = false);
+    /// Lights terrain whose heights change, drawn below this node; anew when they have. Its
+    /// StateSet is what removeTile() takes. Where a program was put on that, this one draws it.
+    bool addTile(DynamicTerrain* terrain);
     /// Leaves the StateSet as addTile() found it, a few updates later: frames that are still being
     /// drawn use it.
     void removeTile(osg::StateSet* stateSet);
 
     std::size_t getTileCount() const;
 
-    /// Runs of each stage (horizon, sky, sun, shade) since creation, all tiles and contexts. A
-    /// still scene adds none.
+    /// Runs of each stage (heights that change, horizon, sky, sun, shade) since creation, all tiles
+    /// and contexts. A still scene adds none.
     std::map<std::string, unsigned> getDispatchCounts() const;
     unsigned getDispatchCount() const;
 

@@ -200,8 +200,10 @@ std::vector<double> SettingsTrial::exactSky(int azimuths) const
 Result<SettingsTrial::Run> SettingsTrial::run(osg::State& state, const LightingSettings& settings,
                                               int repeats) const
 {
+    LightingSettings direct = settings; // the exhaustive scan knows no bounces
+    direct.bounces = 0;
     const osg::ref_ptr<TileLighting> lighting =
-        new TileLighting(_tile, settings, _sky, _definition);
+        new TileLighting(_tile, direct, _sky, _definition);
     lighting->setTimed(true);
     Run result;
     std::vector<double> sky, rest;

@@ -1,6 +1,7 @@
 #include "scene/ShadingBinding.h"
 
 #include "gpu/ShaderLibrary.h"
+#include <osgTerrainLight/DynamicTerrain.h>
 
 #include <cassert>
 
@@ -22,12 +23,13 @@ osg::Matrixd texelCentres(const osg::Texture2D& shading)
            osg::Matrixd::translate(0.5 / width, 0.5 / height, 0.0);
 }
 
-osg::ref_ptr<osg::Shader> hostShader(osg::Shader::Type type, const std::string& file, int version)
+osg::ref_ptr<osg::Shader> hostShader(osg::Shader::Type type, const std::string& file,
+                                     const std::string& version)
 {
     Result<std::string> text = ShaderLibrary::instance().source("host/" + file);
     assert(text.ok());
-    osg::ref_ptr<osg::Shader> shader = new osg::Shader(
-        type, "#version " + std::to_string(version) + "\n#line 1\n" + (text ? *text : ""));
+    osg::ref_ptr<osg::Shader> shader =
+        new osg::Shader(type, "#version " + version + "\n#line 1\n" + (text ? *text : ""));
     shader->setName("host/" + file);
     return shader;
 }
@@ -35,7 +37,12 @@ osg::ref_ptr<osg::Shader> hostShader(osg::Shader::Type type, const std::string& 
 
 osg::ref_ptr<osg::Shader> createShadingShader(osg::Shader::Type type, int version)
 {
-    return hostShader(type, "terrain_shading.glsl", version);
+    return hostShader(type, "terrain_shading.glsl", std::to_string(version));
+}
+
+osg::ref_ptr<osg::Shader> createHeightShader(osg::Shader::Type type, int version)
+{
+    return hostShader(type, "terrain_heights.glsl", std::to_string(version));
 }
 
 osg::ref_ptr<osg::Program> createDefaultProgram()
@@ -44,8 +51,27 @@ osg::ref_ptr<osg::Program> createDefaultProgram()
     program->setName("osgTerrainLight default terrain");
     for (osg::Shader::Type type : {osg::Shader::VERTEX, osg::Shader::FRAGMENT})
         program->addShader(createShadingShader(type));
-    program->addShader(hostShader(osg::Shader::VERTEX, "default_terrain.vert", 120));
-    program->addShader(hostShader(osg::Shader::FRAGMENT, "default_terrain.frag", 120));
+    program->addShader(hostShader(osg::Shader::VERTEX, "default_terrain.vert", "120"));
+    program->addShader(hostShader(osg::Shader::FRAGMENT, "default_terrain.frag", "120"));
+    return program;
+}
+
+osg::ref_ptr<osg::Program> createDisplacedProgram(bool lit)
+{
+    const std::string version = "330 compatibility";
+    osg::ref_ptr<osg::Program> program = new osg::Program;
+    program->setName(lit ? "osgTerrainLight dynamic terrain" : "osgTerrainLight unlit terrain");
+    for (const char* file :
+         {"terrain_shading.glsl", "terrain_heights.glsl", "dynamic_terrain.vert"})
+        program->addShader(hostShader(osg::Shader::VERTEX, file, version));
+    if (lit)
+    {
+        program->addShader(hostShader(osg::Shader::FRAGMENT, "terrain_shading.glsl", version));
+        program->addShader(
+            hostShader(osg::Shader::FRAGMENT, "default_terrain.frag", version + "\n#define HOLES"));
+    }
+    else
+        program->addShader(hostShader(osg::Shader::FRAGMENT, "unlit_terrain.frag", version));
     return program;
 }
 

@@ -60,4 +60,7 @@ private:
 /// The program for stock osgTerrain tiles, from shaders/host.
 OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Program> createDefaultProgram();
 
+/// The same for DynamicTerrain, which it displaces; without light where !lit. Needs OpenGL 3.3.
+OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Program> createDisplacedProgram(bool lit);
+
 } // namespace osgTerrainLight

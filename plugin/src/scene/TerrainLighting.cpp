@@ -1,7 +1,10 @@
 #include <osgTerrainLight/TerrainLighting.h>
 
+#include <osgTerrainLight/DynamicTerrain.h>
+
 #include "gpu/ShaderLibrary.h"
 #include "io/LightParameters.h"
+#include "scene/DisplacedProgram.h"
 #include "scene/KeyHandler.h"
 #include "scene/ShadingBinding.h"
 #include "scene/TerrainTileReader.h"
@@ -186,6 +189,8 @@ public:
         retire();
         followShaders();
         _owner.getBound();
+        for (auto& [stateSet, lit] : _added)
+            followHeights(lit);
         for (const auto& [tile, entry] : _found)
             if (!(versionOf(*tile, entry.toScene) == entry.version))
                 structureChanged = true;
@@ -214,6 +219,23 @@ public:
         Lit& lit = _added[stateSet];
         lit = light(dem, "added tile");
         bind(lit, stateSet, coordinates, program);
+        return true;
+    }
+
+    bool add(DynamicTerrain& terrain)
+    {
+        osg::StateSet* stateSet = terrain.getOrCreateStateSet();
+        if (!terrain.getHeightTexture() || _added.count(stateSet) ||
+            _owner._textureUnit == DynamicTerrain::heightUnit)
+            return false;
+        takeFrom(stateSet);
+        Lit& lit = _added[stateSet];
+        lit = light(terrain.getTile(), "dynamic terrain");
+        const bool ours = dynamic_cast<const DisplacedProgram*>(
+                              stateSet->getAttribute(osg::StateAttribute::PROGRAM)) != nullptr;
+        bind(lit, stateSet, {}, ours ? new DisplacedProgram(set, lit.tile) : nullptr);
+        lit.terrain = &terrain;
+        followHeights(lit);
         return true;
     }
 
@@ -248,6 +270,9 @@ private:
     {
         osg::ref_ptr<LitTile> tile;
         std::shared_ptr<ShadingBinding> binding;
+        osg::ref_ptr<DynamicTerrain> terrain; ///< of which heights are followed
+        osg::ref_ptr<osg::Texture2D> heights; ///< those that are; null: still the first ones
+        unsigned heightRevision = 0;
     };
     struct Entry
     {
@@ -287,8 +312,33 @@ private:
                 set->setProgram(createDefaultProgram());
             program = new TileProgram(set, lit.tile);
         }
+        bind(lit, stateSet, coordinates, program.get());
+    }
+
+    void bind(Lit& lit, osg::StateSet* stateSet, const ShadingCoordinates& coordinates,
+              osg::Program* program)
+    {
         lit.binding = std::make_shared<ShadingBinding>(stateSet, lit.tile->lighting().shading(),
                                                        _owner._textureUnit, coordinates, program);
+    }
+
+    /// Hands on heights that have changed.
+    void followHeights(Lit& lit)
+    {
+        if (!lit.terrain)
+            return;
+        lit.binding->setHasColour(
+            lit.terrain->getStateSet() &&
+            lit.terrain->getStateSet()->getTextureAttribute(0, osg::StateAttribute::TEXTURE));
+        if (lit.terrain->getHeightRevision() == lit.heightRevision)
+            return;
+        lit.heightRevision = lit.terrain->getHeightRevision();
+        if (lit.heights == lit.terrain->getHeightTexture())
+            lit.tile->lighting().touchHeights();
+        else
+            lit.tile->lighting().setHeightTexture(lit.terrain->getHeightTexture());
+        lit.heights = lit.terrain->getHeightTexture();
+        set->touch();
     }
 
     void release(Lit& lit, osgTerrain::TerrainTile* emptied = nullptr)
@@ -578,6 +628,15 @@ bool TerrainLighting::addTile(const DemTile& tile, osg::StateSet* stateSet,
     const bool added = _tiles->add(tile, stateSet, coordinates, program);
     if (!added)
         warn("tile not added: needs at least one post, and a StateSet that has none yet");
+    return added;
+}
+
+bool TerrainLighting::addTile(DynamicTerrain* terrain)
+{
+    const bool added = terrain && _tiles->add(*terrain);
+    if (!added)
+        warn("dynamic terrain not added: needs 2 x 2 posts or more, not to have been added, and a "
+             "texture unit other than that of its heights");
     return added;
 }
 

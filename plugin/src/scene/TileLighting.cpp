@@ -5,6 +5,7 @@
 #include "gpu/Textures.h"
 
 #include <OpenThreads/ScopedLock>
+#include <osg/GLExtensions>
 
 #include <algorithm>
 #include <cassert>
@@ -49,13 +50,20 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
     }
     _shadePass->writes(0, _shading);
 
+    _heightsValue = _chain.addSource();
     _settingsValue = _chain.addSource();
     _sunPlaceValue = _chain.addSource();
     _lightValue = _chain.addSource();
     _albedoValue = _chain.addSource();
+    const auto heights = _chain.addStage({"heights",
+                                          {_heightsValue},
+                                          [this] { return _posts.valid(); },
+                                          [this](osg::State& state) { return runHeights(state); },
+                                          [] { return 0; }, // bytes() counts them always
+                                          [] {}});
     const auto horizon = _chain.addStage(
         {"horizon",
-         {_settingsValue},
+         {_settingsValue, heights},
          [this] { return horizonNeeded(); },
          [this](osg::State& state) { return runHorizon(state); },
          [this]
@@ -75,7 +83,7 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                                           [this] { _skyView = nullptr; }});
     const auto sun = _chain.addStage(
         {"sun",
-         {_settingsValue, _sunPlaceValue},
+         {_settingsValue, _sunPlaceValue, heights},
          [this] { return sunNeeded(); },
          [this](osg::State& state) { return runSun(state); },
          [this]
@@ -90,13 +98,13 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
     const auto shade =
         _chain.addStage({"shade",
                          // Bounces are added to what this writes, so it runs before each.
-                         {skyView, sun, _lightValue, _albedoValue},
+                         {skyView, sun, _lightValue, _albedoValue, heights},
                          [] { return true; },
                          [this](osg::State& state) { return runShade(state); },
                          [this] { return textureBytes(*_shading); },
                          [] {}});
     const auto pyramid = _chain.addStage({"pyramid",
-                                          {_settingsValue},
+                                          {_settingsValue, heights},
                                           [this] { return bounceNeeded(); },
                                           [this](osg::State& state) { return runPyramid(state); },
                                           [] { return std::size_t(0); },
@@ -166,6 +174,52 @@ void TileLighting::setSky(const SkyLight& sky)
     _chain.touch(_lightValue);
 }
 
+void TileLighting::setHeights(const std::vector<float>& heights)
+{
+    assert(heights.size() == _tile.postCount());
+    Lock lock(_mutex);
+    if (!_ownHeights)
+        _ownHeights = new HeightTexture(width(), height());
+    _ownHeights->set(heights.data());
+    setPosts(_ownHeights);
+}
+
+void TileLighting::setHeightTexture(osg::Texture2D* posts)
+{
+    Lock lock(_mutex);
+    setPosts(posts);
+}
+
+void TileLighting::touchHeights()
+{
+    Lock lock(_mutex);
+    _chain.touch(_heightsValue);
+}
+
+void TileLighting::setPosts(osg::Texture2D* posts)
+{
+    assert(posts);
+    _chain.touch(_heightsValue);
+    if (!_posts)
+    {
+        // From now on heights are written by a pass: a texture with an image would be loaded from
+        // it.
+        constexpr int frame = HorizonPass::frame;
+        _heights = createTarget(width() + 2 * frame, height() + 2 * frame, GL_R32F);
+        _framePass = new GpuPass("frame_heights");
+        _framePass->set("frame", int(frame));
+        _framePass->set("size", width(), height());
+        _framePass->writes(0, _heights);
+        for (const auto& pass : {_skyPass, _shadePass})
+            pass->reads("heights", _heights);
+        _horizon = nullptr;
+        _sun = nullptr;
+        _bounce = nullptr;
+    }
+    _posts = posts;
+    _framePass->reads("posts", _posts);
+}
+
 void TileLighting::touch()
 {
     Lock lock(_mutex);
@@ -189,6 +243,15 @@ bool TileLighting::isDirty(unsigned contextID) const
 {
     Lock lock(_mutex);
     return _chain.isDirty(contextID);
+}
+
+Status TileLighting::runHeights(osg::State& state)
+{
+    // A pass of the host may have written the posts: OSG issues no barrier after it.
+    state.get<osg::GLExtensions>()->glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    return _framePass->dispatch(state,
+                                {GpuPass::groupsFor(width() + 2 * HorizonPass::frame, 8),
+                                 GpuPass::groupsFor(height() + 2 * HorizonPass::frame, 8), 1});
 }
 
 Status TileLighting::runHorizon(osg::State& state)
@@ -301,7 +364,7 @@ Raster<float> TileLighting::readSkyView(osg::State& state) const
     Raster<float> view(width(), height());
     view.values() = readFloats(state, *_skyView, 1);
     for (std::size_t i = 0; i < view.size(); ++i)
-        if (!_tile.validity()[i])
+        if (view.values()[i] <= -1.0f) // void
             view.values()[i] = std::numeric_limits<float>::quiet_NaN();
     return view;
 }
@@ -326,12 +389,16 @@ unsigned TileLighting::readDroppedVertices(osg::State& state) const
 std::vector<StageCost> TileLighting::costs() const
 {
     Lock lock(_mutex);
-    return _chain.costs();
+    std::vector<StageCost> costs = _chain.costs();
+    if (!_posts)
+        costs.erase(costs.begin()); // heights that nothing changes have no stage
+    return costs;
 }
 
 std::size_t TileLighting::bytes() const
 {
-    std::size_t sum = textureBytes(*_heights) + textureBytes(*_eastSpacings);
+    std::size_t sum = textureBytes(*_heights) + textureBytes(*_eastSpacings) +
+                      (_ownHeights ? textureBytes(*_ownHeights) : 0);
     for (const StageCost& cost : costs())
         sum += cost.bytes;
     return sum;
@@ -344,8 +411,11 @@ void TileLighting::releaseGLObjects(osg::State* state) const
     for (const auto& pass : {_horizon, _sun})
         if (pass)
             pass->releaseGLObjects(state);
-    for (const auto& pass : {_skyPass, _shadePass})
-        pass->releaseGLObjects(state);
+    for (const auto& pass : {_skyPass, _shadePass, _framePass})
+        if (pass)
+            pass->releaseGLObjects(state);
+    if (_ownHeights)
+        _ownHeights->releaseGLObjects(state);
     if (_bounce)
         _bounce->releaseGLObjects(state);
     for (const auto& texture :
@@ -361,8 +431,11 @@ void TileLighting::resizeGLObjectBuffers(unsigned size)
     for (const auto& pass : {_horizon, _sun})
         if (pass)
             pass->resizeGLObjectBuffers(size);
-    for (const auto& pass : {_skyPass, _shadePass})
-        pass->resizeGLObjectBuffers(size);
+    for (const auto& pass : {_skyPass, _shadePass, _framePass})
+        if (pass)
+            pass->resizeGLObjectBuffers(size);
+    if (_posts)
+        _posts->resizeGLObjectBuffers(size);
     if (_bounce)
         _bounce->resizeGLObjectBuffers(size);
     for (const auto& texture :

@@ -9,6 +9,7 @@
 #include "core/Raster.h"
 #include "core/Result.h"
 #include "gpu/GpuPass.h"
+#include "gpu/HeightTexture.h"
 #include "gpu/PassChain.h"
 #include "gpu/passes/BouncePass.h"
 #include "gpu/passes/HorizonPass.h"
@@ -34,8 +35,9 @@ enum class SkyViewDefinition
 /// One tile's pass chain and textures: heights and light in, shading texture out.
 ///
 /// Setters may be called from any thread; update() and the read functions need the current context
-/// of their state. Stages: horizon (a sky is on), sky (ditto), sun (a sun is on and not wholly
-/// below the horizontal), shade, pyramid and bounce (bounces are on, and what they would bounce).
+/// of their state. Stages: heights (they have been set), horizon (a sky or a bounce is on), sky (a
+/// sky is on), sun (a sun is on and not wholly below the horizontal), shade, pyramid and bounce
+/// (bounces are on, and there is what they would bounce).
 class OSGTERRAINLIGHT_EXPORT TileLighting : public osg::Referenced
 {
 public:
@@ -57,6 +59,14 @@ public:
 
     /// Albedo per post, 0 … 1, row 0 south, instead of the settings'; empty: theirs again.
     void setAlbedo(Raster<Rgb> albedo);
+
+    /// Replaces all heights: width() x height() values [m above the tile's heightOrigin], row 0
+    /// south. What is not finite or beyond 1e6 m is void. tile() keeps those it was made with.
+    void setHeights(const std::vector<float>& heights);
+    /// The same from a texture, R32F, a texel per post, whose minifying filter has no mipmaps. It
+    /// is read in each context that updates, at the next update, and again after touchHeights().
+    void setHeightTexture(osg::Texture2D* posts);
+    void touchHeights();
 
     /// Every stage runs again at the next update: for measurements, and after a shader was edited.
     void touch();
@@ -98,6 +108,8 @@ private:
     bool bounceNeeded() const;
     bool horizonNeeded() const { return skyNeeded() || bounceNeeded(); }
     Raster<osg::Vec4f> readColours(osg::State& state, osg::Texture2D& texture) const;
+    void setPosts(osg::Texture2D* posts);
+    Status runHeights(osg::State& state);
     Status runHorizon(osg::State& state);
     Status runSky(osg::State& state);
     Status runSun(osg::State& state);
@@ -112,9 +124,12 @@ private:
     SkyViewDefinition _definition;
 
     mutable PassChain _chain;
-    PassChain::Value _settingsValue, _sunPlaceValue, _lightValue, _albedoValue;
+    PassChain::Value _heightsValue, _settingsValue, _sunPlaceValue, _lightValue, _albedoValue;
 
     osg::ref_ptr<osg::Texture2D> _heights;
+    osg::ref_ptr<osg::Texture2D> _posts; ///< where heights come from; null: from _tile, for good
+    osg::ref_ptr<HeightTexture> _ownHeights; ///< of setHeights()
+    osg::ref_ptr<GpuPass> _framePass;
     osg::ref_ptr<osg::Texture2D> _eastSpacings;
     osg::ref_ptr<HorizonPass> _horizon;
     osg::ref_ptr<HorizonPass> _sun;

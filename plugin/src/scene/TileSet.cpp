@@ -14,6 +14,7 @@ namespace osgTerrainLight
 namespace
 {
 using Lock = std::lock_guard<std::mutex>;
+} // namespace
 
 std::string whyNotLinked(const osg::Program& program, osg::State& state)
 {
@@ -32,7 +33,6 @@ std::string whyNotLinked(const osg::Program& program, osg::State& state)
     log.erase(log.find_last_not_of(" \n\r\t") + 1);
     return place + log;
 }
-} // namespace
 
 LitTile::Stage LitTile::stage(unsigned context) const
 {

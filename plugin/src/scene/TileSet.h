@@ -106,6 +106,9 @@ private:
     mutable std::string _programFailure;
 };
 
+/// A sentence about a program that did not link in the state's context.
+std::string whyNotLinked(const osg::Program& program, osg::State& state);
+
 /// Stands for the tiles' program where its tile is lit in the context, and for none where it is
 /// not: the host scene then draws as if nothing had been installed.
 class TileProgram : public osg::Program

@@ -1,0 +1,53 @@
+#include "scene/DisplacedProgram.h"
+
+#include "scene/ShadingBinding.h"
+
+namespace osgTerrainLight
+{
+
+DisplacedProgram::DisplacedProgram(const TileSet* tiles, const LitTile* tile)
+    : _tiles(tiles), _tile(tile), _lit(tile ? createDisplacedProgram(true) : nullptr),
+      _unlit(createDisplacedProgram(false))
+{
+    setName((_lit ? _lit : _unlit)->getName());
+}
+
+void DisplacedProgram::apply(osg::State& state) const
+{
+    const osg::Program& program =
+        _lit && _tiles->isLit(*_tile, state.getContextID()) ? *_lit : *_unlit;
+    program.apply(state);
+    if (_tiles && !program.getPCP(state)->isLinked())
+        _tiles->programFailed(whyNotLinked(program, state));
+}
+
+int DisplacedProgram::compare(const osg::StateAttribute& other) const
+{
+    // As TileProgram: one may be lit and the other not.
+    return this == &other ? 0 : this < &other ? -1 : 1;
+}
+
+void DisplacedProgram::compileGLObjects(osg::State& state) const
+{
+    for (const auto& program : {_lit, _unlit})
+        if (program)
+            program->compileGLObjects(state);
+}
+
+void DisplacedProgram::releaseGLObjects(osg::State* state) const
+{
+    osg::Program::releaseGLObjects(state);
+    for (const auto& program : {_lit, _unlit})
+        if (program)
+            program->releaseGLObjects(state);
+}
+
+void DisplacedProgram::resizeGLObjectBuffers(unsigned size)
+{
+    osg::Program::resizeGLObjectBuffers(size);
+    for (const auto& program : {_lit, _unlit})
+        if (program)
+            program->resizeGLObjectBuffers(size);
+}
+
+} // namespace osgTerrainLight

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "scene/TileSet.h"
+
+#include <osg/Program>
+
+namespace osgTerrainLight
+{
+
+/// The program of a DynamicTerrain, which must be displaced with and without light: one of two,
+/// chosen per context.
+class DisplacedProgram : public osg::Program
+{
+public:
+    /// Null: never lit.
+    explicit DisplacedProgram(const TileSet* tiles = nullptr, const LitTile* tile = nullptr);
+
+    void apply(osg::State& state) const override;
+    int compare(const osg::StateAttribute& other) const override;
+    void compileGLObjects(osg::State& state) const override;
+    void releaseGLObjects(osg::State* state = nullptr) const override;
+    void resizeGLObjectBuffers(unsigned size) override;
+
+private:
+    osg::ref_ptr<const TileSet> _tiles;
+    osg::ref_ptr<const LitTile> _tile;
+    osg::ref_ptr<osg::Program> _lit; ///< null without a tile
+    osg::ref_ptr<osg::Program> _unlit;
+};
+
+} // namespace osgTerrainLight
