@@ -62,12 +62,16 @@ std::string ParameterRange::complaint(double value) const
 {
     const bool inRange = value >= minimum && value <= maximum; // false for NaN
     const bool isCount = name == "azimuths";
-    if (inRange && (!isCount || (value == std::floor(value) &&
-                                 AzimuthSet::isValidCount(static_cast<int>(value)))))
+    const bool isWhole = isCount || name == "bounces";
+    if (inRange && (!isWhole || value == std::floor(value)) &&
+        (!isCount || AzimuthSet::isValidCount(static_cast<int>(value))))
         return {};
     std::ostringstream text;
     text << name << " = " << value << (unit.empty() ? "" : " ") << unit << ": needs "
-         << (isCount ? "a multiple of 4, " : "") << minimum << " ... " << maximum;
+         << (isCount   ? "a multiple of 4, "
+             : isWhole ? "a whole number, "
+                       : "")
+         << minimum << " ... " << maximum;
     return text.str();
 }
 

@@ -76,6 +76,10 @@ public:
     /// RGBA16F: irradiance / π of the last bounce.
     osg::Texture2D* light() const { return _light; }
 
+    /// RG32F: height [m] times weight, weight; above the posts, as layout() has its levels.
+    osg::Texture2D* heightPyramid() const { return _heightPyramid; }
+    const PyramidLayout& layout() const { return _posts; }
+
     /// All textures [bytes].
     std::size_t bytes() const;
 
