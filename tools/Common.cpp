@@ -281,6 +281,10 @@ void addBounces(CLI::App& app, RasterOptions& options)
     addNumbers(app, "--bounces", "N", {"bounces"},
                "Bounces of light from terrain to terrain, 0 ... 8; default 0",
                [&options](const auto& v) { options.settings.bounces = static_cast<int>(v[0]); });
+    addNumbers(app, "--subsampling", "N", {"subsampling"},
+               "Gather bounces at every N-th post, 1, 2 or 4; default 1",
+               [&options](const auto& v) { options.settings.subsampling = static_cast<int>(v[0]); })
+        ->needs("--bounces");
     app.add_option_function<std::string>(
            "--albedo",
            [&options](const std::string& given)

@@ -32,6 +32,9 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
     HorizonQuality quality = HorizonQuality::Normal;
     /// Diffuse bounces of light from terrain to terrain: 0 … 8.
     int bounces = 0;
+    /// Bounces are gathered at every 1st, 2nd or 4th post in both directions, and shaded with all
+    /// posts' own normals: 4 and 16 times less work (docs/ARCHITECTURE.md has the errors).
+    int subsampling = 1;
     /// What the ground reflects of the light it receives, 0 … 1 per channel, where a tile has no
     /// albedo of its own.
     std::array<float, 3> albedo = {0.5f, 0.5f, 0.5f};
@@ -80,7 +83,8 @@ struct OSGTERRAINLIGHT_EXPORT ParameterRange
     double maximum = 0.0;
     std::string meaning;
 
-    /// Names accepted: azimuths, bounces, albedo, exposure, sun-azimuth, sun-elevation, sun-radius, sun-irradiance,
+    /// Names accepted: azimuths, bounces, subsampling, albedo,
+    /// exposure, sun-azimuth, sun-elevation, sun-radius, sun-irradiance,
     /// max-error, max-ms, sky-radiance. Null where there is no such parameter.
     static const ParameterRange* find(const std::string& name);
     static const std::vector<ParameterRange>& all();

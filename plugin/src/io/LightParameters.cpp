@@ -50,10 +50,11 @@ Status setNumbers(LightParameters& parameters, const ParameterRange& range, cons
                   : range.name == "albedo"       ? &parameters.settings.albedo
                                                  : nullptr;
     const Error bad = refused(name, text,
-                              (colour                     ? "one number or three, "
-                               : range.name == "azimuths" ? "a multiple of 4, "
-                               : range.name == "bounces"  ? "a whole number, "
-                                                          : "a number, ") +
+                              (colour                        ? "one number or three, "
+                               : range.name == "azimuths"    ? "a multiple of 4, "
+                               : range.name == "subsampling" ? "a power of 2, "
+                               : range.name == "bounces"     ? "a whole number, "
+                                                             : "a number, ") +
                                   rangeOf(range));
     const std::vector<double> values = numbersIn(text);
     if (values.size() != 1 && !(colour && values.size() == 3))
@@ -69,6 +70,8 @@ Status setNumbers(LightParameters& parameters, const ParameterRange& range, cons
         parameters.settings.azimuths = static_cast<int>(value);
     else if (range.name == "bounces")
         parameters.settings.bounces = static_cast<int>(value);
+    else if (range.name == "subsampling")
+        parameters.settings.subsampling = static_cast<int>(value);
     else if (range.name == "exposure")
         parameters.settings.exposure = value;
     else if (range.name == "sun-azimuth")
@@ -144,6 +147,7 @@ std::string complaint(const LightingSettings& settings)
 {
     std::vector<std::string> found = {complaintOf("azimuths", settings.azimuths),
                                       complaintOf("bounces", settings.bounces),
+                                      complaintOf("subsampling", settings.subsampling),
                                       complaintOf("exposure", settings.exposure)};
     for (const float channel : settings.albedo)
         found.push_back(complaintOf("albedo", static_cast<double>(channel)));

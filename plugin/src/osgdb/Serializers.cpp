@@ -58,6 +58,7 @@ static bool readSettings(osgDB::InputStream& is, osgTerrainLight::TerrainLightin
     is >> is.PROPERTY("Quality") >> quality;
     is >> is.PROPERTY("Exposure") >> settings.exposure;
     is >> is.PROPERTY("Bounces") >> settings.bounces;
+    is >> is.PROPERTY("Subsampling") >> settings.subsampling;
     is >> is.PROPERTY("Albedo");
     for (float& channel : settings.albedo)
         is >> channel;
@@ -77,6 +78,7 @@ static bool writeSettings(osgDB::OutputStream& os, const osgTerrainLight::Terrai
     os << os.PROPERTY("Quality") << std::string(toString(settings.quality)) << std::endl;
     os << os.PROPERTY("Exposure") << settings.exposure << std::endl;
     os << os.PROPERTY("Bounces") << settings.bounces << std::endl;
+    os << os.PROPERTY("Subsampling") << settings.subsampling << std::endl;
     os << os.PROPERTY("Albedo");
     for (const float channel : settings.albedo)
         os << channel;

@@ -11,6 +11,7 @@
 #include <osg/Texture2D>
 #include <osg/Texture2DArray>
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -62,8 +63,9 @@ class OSGTERRAINLIGHT_EXPORT BouncePass : public osg::Referenced
 {
 public:
     /// heights: createHeightTexture(tile, HorizonPass::frame). eastSpacings: one texel per row.
+    /// stride: light is gathered at every stride-th post in both directions, 1, 2 or 4.
     BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Texture2D* eastSpacings,
-               const BounceScheme& scheme, int azimuths);
+               const BounceScheme& scheme, int azimuths, int stride = 1);
 
     /// Builds the pyramid of heights.
     Status dispatchHeights(osg::State& state);
@@ -94,7 +96,7 @@ private:
     std::vector<osg::Texture2D*> textures() const;
     std::vector<GpuPass*> passes() const;
 
-    int _width, _height;
+    int _width, _height, _stride;
     PyramidLayout _posts, _cells;
     osg::ref_ptr<osg::Texture2D> _heights;
     osg::ref_ptr<osg::Texture2D> _stepLengths;
@@ -104,6 +106,8 @@ private:
     osg::ref_ptr<osg::Texture2D> _light;
     osg::ref_ptr<GpuPass> _directRadiance, _bouncedRadiance; ///< of cells
     osg::ref_ptr<GpuPass> _firstBounce, _nextBounce;
+    std::array<osg::ref_ptr<osg::Texture2D>, 3> _vectors; ///< of colours, where the stride is not 1
+    osg::ref_ptr<GpuPass> _upsample;                      ///< ditto
     osg::ref_ptr<GpuPass> _firstHeights, _nextHeights, _reduceRadiance;
 };
 
