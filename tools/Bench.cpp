@@ -385,8 +385,6 @@ Status run(const Options& options)
         throw CLI::ValidationError("--plot", options.plot + ": needs a name that ends in .svg");
     if (options.settings.bounces > 0 && options.settings.albedo == Rgb{})
         throw CLI::ValidationError("--albedo", "0 in all channels: nothing bounces");
-    if (options.settings.bounces == 0 && options.paths > 0)
-        throw CLI::ValidationError("--paths", "needs --bounces, 1 or more");
     if (Status writable = checkOutputs(options); !writable)
         return writable;
     Result<Gpu> gpu = openGpu();
@@ -530,6 +528,46 @@ void addAzimuthList(CLI::App& app, std::vector<int>& azimuths)
         ->type_name("LIST");
 }
 
+/// --bounces, --albedo, --paths.
+void addIndirect(CLI::App& app, Options& options)
+{
+    CLI::Option* bounces = addNumbers(
+        app, "--bounces", "N", {"bounces"},
+        "Diffuse bounces of light from terrain to terrain, 0 ... 8, which are measured too; "
+        "default 0",
+        [&options](const auto& v) { options.settings.bounces = static_cast<int>(v[0]); });
+    const auto readAlbedo = [&options](const std::string& given)
+    {
+        std::vector<double> values;
+        for (const std::string& part : CLI::detail::split(given, ','))
+        {
+            values.emplace_back();
+            if (!CLI::detail::lexical_cast(part, values.back()))
+                throw CLI::ValidationError("--albedo", "'" + given + "': needs numbers, V|R,G,B");
+            if (const std::string wrong = ParameterRange::find("albedo")->complaint(values.back());
+                !wrong.empty())
+                throw CLI::ValidationError("--albedo", wrong);
+        }
+        if (values.size() != 1 && values.size() != 3)
+            throw CLI::ValidationError("--albedo", "'" + given + "': needs one number or three");
+        for (std::size_t c = 0; c < 3; ++c)
+            options.settings.albedo[c] = static_cast<float>(values[values.size() == 3 ? c : 0]);
+    };
+    app.add_option_function<std::string>(
+           "--albedo", readAlbedo,
+           "Part of the light that the ground reflects, 0 ... 1; default 0.5")
+        ->type_name("V|R,G,B")
+        ->needs(bounces);
+    addLimitedNumbers(app, "--paths", "N", {{"paths", 64.0, 67108864.0, true}},
+                      "Paths per post that the light of bounces is compared with, rounded up to a "
+                      "power of 2; default: until their noise is a fifth of the smallest error, at "
+                      "most " +
+                          std::to_string(IndirectTruth::mostPaths),
+                      [&options](const auto& v)
+                      { options.paths = static_cast<std::uint64_t>(v[0]); })
+        ->needs(bounces);
+}
+
 CLI::Option* addGenerated(CLI::App& app, Options& options)
 {
     const auto read = [&options](const std::string& given)
@@ -590,14 +628,7 @@ Mode addBench(CLI::App& tool)
     addSunRadius(*app, options->sky);
     app->add_flag_function(
         "--no-sun", [options](std::int64_t) { options->sky.sunEnabled = false; }, "Sky light only");
-    addBounces(*app, options->settings);
-    addLimitedNumbers(*app, "--paths", "N", {{"paths", 64.0, 67108864.0, true}},
-                      "Paths per post that the light of bounces is compared with, rounded up to a "
-                      "power of 2; default: until their noise is a fifth of the smallest error, at "
-                      "most " +
-                          std::to_string(IndirectTruth::mostPaths),
-                      [options](const auto& v)
-                      { options->paths = static_cast<std::uint64_t>(v[0]); });
+    addIndirect(*app, *options);
     addLimitedNumbers(
         *app, "--posts", "N", {{"posts", 1.0, 1000000.0, true}},
         "Random posts at which the error is measured (the sun's at 10 N, that of bounces "

@@ -267,28 +267,6 @@ void addSettings(CLI::App& app, LightingSettings& settings, bool azimuths)
         ->check(CLI::IsMember({"draft", "normal", "best"}));
 }
 
-void addBounces(CLI::App& app, LightingSettings& settings)
-{
-    CLI::Option* bounces =
-        addNumbers(app, "--bounces", "N", {"bounces"},
-                   "Diffuse bounces of light from terrain to terrain, 0 ... 8; default " +
-                       std::to_string(settings.bounces),
-                   [&settings](const auto& v) { settings.bounces = static_cast<int>(v[0]); });
-    const std::string typeName = "V|R,G,B";
-    addCheckedNumbers(
-        app, "--albedo", typeName, 1, 3,
-        "Part of the light that the ground reflects, 0 ... 1; default " + text(settings.albedo),
-        [](std::size_t, double value) { return ParameterRange::find("albedo")->complaint(value); },
-        [&settings, typeName](const auto& v)
-        {
-            if (v.size() == 2)
-                throw CLI::ValidationError("--albedo", "2 numbers: needs " + typeName);
-            for (std::size_t c = 0; c < 3; ++c)
-                settings.albedo[c] = static_cast<float>(v[v.size() == 1 ? 0 : c]);
-        })
-        ->needs(bounces);
-}
-
 Status checkOutput(const OutputOptions& output, int bands)
 {
     if (isExr(output) && !output.creationOptions.empty())

@@ -78,8 +78,6 @@ void addSize(CLI::App& app, int& width, int& height, const std::string& help);
 void addConfig(CLI::App& app);
 void addQuiet(CLI::App& app, bool& quiet);
 void addSettings(CLI::App& app, LightingSettings& settings, bool azimuths = true);
-/// --bounces and --albedo.
-void addBounces(CLI::App& app, LightingSettings& settings);
 void addExposure(CLI::App& app, LightingSettings& settings);
 void addSun(CLI::App& app, SkyLight& sky);
 void addSunRadius(CLI::App& app, SkyLight& sky);
