@@ -339,6 +339,7 @@ Status measureIndirect(const Options& options, const Truth& truth, IndirectTruth
     for (Row* row : rows)
         row->errors.emplace_back();
     constexpr double noisePerError = 0.2;
+    // What is asked for is traced at once.
     const auto most = static_cast<double>(options.paths > 0 ? 1 : IndirectTruth::mostPaths);
     double needed = static_cast<double>(IndirectTruth::firstPaths);
     for (bool enough = rows.empty(); !enough;)
@@ -369,7 +370,8 @@ Status measureIndirect(const Options& options, const Truth& truth, IndirectTruth
             smallest = std::min(smallest, row->errors.back().relativeRms);
         }
         const auto traced = static_cast<double>(indirect.paths());
-        enough = traced >= most || !(noise > noisePerError * smallest);
+        enough = traced >= most || noise == 0.0 ||
+                 (std::isfinite(smallest) && noise <= noisePerError * smallest);
         const double ratio = noise / (noisePerError * smallest);
         needed = std::isfinite(ratio) ? std::min(traced * ratio * ratio, most) : most;
     }

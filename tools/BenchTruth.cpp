@@ -280,7 +280,8 @@ ErrorStatistics statisticsOf(const std::vector<Compared>& values)
     result.rms = std::sqrt(squares / count);
     result.relativeRms = expectedSquares > 0.0 ? std::sqrt(squares / expectedSquares)
                                                : std::numeric_limits<double>::quiet_NaN();
-    result.relativeNoise = expectedSquares > 0.0 ? std::sqrt(variance / expectedSquares) : 0.0;
+    if (variance > 0.0)
+        result.relativeNoise = std::sqrt(variance / expectedSquares);
     std::sort(sizes.begin(), sizes.end());
     result.p99 = sizes[sizes.size() * 99 / 100];
     result.max = sizes.back();

@@ -102,7 +102,7 @@ struct ErrorStatistics
     double max = 0.0; ///< of absolute values
     double bias = 0.0;
     double relativeRms = 0.0;   ///< RMS error over the RMS of what is expected; NaN where that is 0
-    double relativeNoise = 0.0; ///< RMS of the standard errors over the same; 0 where that is 0
+    double relativeNoise = 0.0; ///< RMS of the standard errors over the same
 };
 
 struct Compared
