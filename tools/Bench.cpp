@@ -1,5 +1,6 @@
 #include "BenchReport.h"
 
+#include "core/Luminance.h"
 #include "core/SyntheticTerrain.h"
 
 #include <cpl_conv.h>
@@ -12,9 +13,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <ctime>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <system_error>
 
@@ -53,6 +56,8 @@ struct Options
     std::vector<const Method*> methods;
     std::vector<int> azimuths = {8, 16, 32, 64};
     SkyLight sky;
+    LightingSettings settings; ///< bounces and albedo
+    std::uint64_t paths = 0;   ///< per post; 0: as many as it takes
     std::size_t posts = 4000;
     std::uint32_t seed = 1;
     int repeats = 5;
@@ -60,9 +65,11 @@ struct Options
     bool quiet = false;
 };
 
-// Where the reading, and the search for the truth, end on the progress line.
+// Where the reading, the search for the truth, and, if paths follow, the measuring end on the
+// progress line.
 constexpr double readEnd = 0.05;
 constexpr double truthEnd = 0.3;
+constexpr double measureEnd = 0.5;
 
 std::string now()
 {
@@ -186,6 +193,7 @@ std::vector<Row> planRows(const Options& options)
         {
             Row row;
             row.method = method->name;
+            row.settings = options.settings;
             row.settings.azimuths = azimuths;
             method->apply(row.settings);
             rows.push_back(std::move(row));
@@ -199,6 +207,35 @@ struct Times
     std::vector<std::vector<double>> byStage;
     std::vector<double> gpu, wall;
 };
+
+/// Reads back all that errors are of. Bounces are read one by one: the sum in the shading has lost
+/// them to the rounding of the direct light.
+Result<Found> readBack(const Gpu& gpu, const Truth& truth, const LightingSettings& settings,
+                       TileLighting& lighting)
+{
+    Found found;
+    found.indirect.resize(truth.indirect.size());
+    LightingSettings fewer = settings;
+    for (; fewer.bounces > 0; --fewer.bounces)
+    {
+        lighting.setSettings(fewer); // as they are, the first time
+        if (Status done = lighting.update(gpu.state()); !done)
+            return done.error();
+        const Raster<osg::Vec4f> light = lighting.readLastBounce(gpu.state());
+        for (std::size_t i = 0; i < found.indirect.size(); ++i)
+        {
+            const osg::Vec4f& c = light.at(truth.posts[i].column, truth.posts[i].row);
+            found.indirect[i] += luminance({c.r(), c.g(), c.b()});
+        }
+    }
+    lighting.setSettings(fewer);
+    if (Status done = lighting.update(gpu.state()); !done)
+        return done.error();
+    found.horizons = lighting.readHorizons(gpu.state());
+    found.sky = lighting.readSkyView(gpu.state());
+    found.shading = lighting.readShading(gpu.state());
+    return found;
+}
 
 /// Runs a row's settings twice, and times the second. In the first round finds its errors, too.
 Status measure(const Gpu& gpu, const DemTile& tile, const Truth& truth, const SkyLight& sky,
@@ -220,7 +257,12 @@ Status measure(const Gpu& gpu, const DemTile& tile, const Truth& truth, const Sk
     }
     if (row.skipped.empty())
     {
-        const std::vector<StageCost> costs = lighting->costs();
+        std::vector<StageCost> costs = lighting->costs();
+        if (row.settings.bounces == 0)
+            costs.erase(std::remove_if(costs.begin(), costs.end(),
+                                       [](const StageCost& cost)
+                                       { return cost.name == "pyramid" || cost.name == "bounce"; }),
+                        costs.end());
         times.byStage.resize(costs.size());
         stages.clear();
         times.wall.push_back(took.count());
@@ -235,11 +277,12 @@ Status measure(const Gpu& gpu, const DemTile& tile, const Truth& truth, const Sk
     if (row.skipped.empty() && row.errors.empty())
     {
         row.bytes = lighting->bytes();
-        const Found found = {lighting->readHorizons(gpu.state()),
-                             lighting->readSkyView(gpu.state()),
-                             lighting->readShading(gpu.state())};
-        for (const Quantity& quantity : quantities())
-            row.errors.push_back(statisticsOf(quantity.compare(truth, found)));
+        Result<Found> found = readBack(gpu, truth, row.settings, *lighting);
+        if (!found)
+            return found.error();
+        for (const Quantity& quantity : directQuantities())
+            row.errors.push_back(statisticsOf(quantity.compare(truth, *found)));
+        row.indirect = std::move(found->indirect);
     }
     lighting->releaseGLObjects(&gpu.state());
     osg::flushAllDeletedGLObjects(gpu.state().getContextID());
@@ -256,6 +299,7 @@ Status measureAll(const Gpu& gpu, const DemTile& tile, const Truth& truth, Repor
     for (const Row& row : report.rows)
         expected += (row.settings.azimuths + 1) * report.repeats;
     double spent = 0.0;
+    const double end = report.settings.bounces > 0 ? measureEnd : 1.0;
     std::vector<Times> times(report.rows.size());
     for (int round = 0; round < report.repeats; ++round)
         for (std::size_t i = 0; i < report.rows.size(); ++i)
@@ -267,7 +311,7 @@ Status measureAll(const Gpu& gpu, const DemTile& tile, const Truth& truth, Repor
                     !done)
                     return done;
             spent += row.settings.azimuths + 1;
-            progress.reach(truthEnd + (1.0 - truthEnd) * spent / expected);
+            progress.reach(truthEnd + (end - truthEnd) * spent / expected);
         }
     for (std::size_t i = 0; i < report.rows.size(); ++i)
     {
@@ -282,12 +326,67 @@ Status measureAll(const Gpu& gpu, const DemTile& tile, const Truth& truth, Repor
     return Nothing{};
 }
 
+/// Traces paths, as many as options say or until their noise is below a fifth of the smallest
+/// error, and finds all rows' errors of indirect light.
+Status measureIndirect(const Options& options, const Truth& truth, IndirectTruth& indirect,
+                       Report& report, Progress& progress)
+{
+    report.indirectPosts = truth.indirect.size();
+    std::vector<Row*> rows;
+    for (Row& row : report.rows)
+        if (row.skipped.empty())
+            rows.push_back(&row);
+    for (Row* row : rows)
+        row->errors.emplace_back();
+    constexpr double noisePerError = 0.2;
+    // What is asked for is traced at once.
+    const auto most = static_cast<double>(options.paths > 0 ? 1 : IndirectTruth::mostPaths);
+    double needed = static_cast<double>(IndirectTruth::firstPaths);
+    for (bool enough = rows.empty(); !enough;)
+    {
+        const auto before = static_cast<double>(indirect.paths());
+        const double more = before > 0.0 ? before : static_cast<double>(IndirectTruth::firstPaths);
+        const auto reach = [&](double fraction)
+        {
+            const double done = options.paths > 0
+                                    ? fraction
+                                    : (before + more * fraction) / std::max(needed, before + more);
+            // Until the first estimates are there, nobody knows how far it is.
+            if (before > 0.0 || options.paths > 0)
+                progress.reach(measureEnd + (1.0 - measureEnd) * done);
+        };
+        if (Status done = indirect.refine(
+                options.paths > 0 ? options.paths : IndirectTruth::firstPaths, reach);
+            !done)
+            return done;
+        double smallest = std::numeric_limits<double>::infinity();
+        double noise = 0.0;
+        for (Row* row : rows)
+        {
+            Found found;
+            found.indirect = row->indirect;
+            row->errors.back() = statisticsOf(indirectQuantity().compare(truth, found));
+            noise = row->errors.back().relativeNoise; // the same in all rows
+            smallest = std::min(smallest, row->errors.back().relativeRms);
+        }
+        const auto traced = static_cast<double>(indirect.paths());
+        enough = traced >= most || noise == 0.0 ||
+                 (std::isfinite(smallest) && noise <= noisePerError * smallest);
+        const double ratio = noise / (noisePerError * smallest);
+        needed = std::isfinite(ratio) ? std::min(traced * ratio * ratio, most) : most;
+    }
+    report.paths = indirect.paths();
+    return Nothing{};
+}
+
 Status run(const Options& options)
 {
     if (options.input.empty() && options.generated.empty())
         throw CLI::ValidationError("INPUT", "needed: a DEM, or --generate KIND");
     if (!options.plot.empty() && !EQUAL(CPLGetExtension(options.plot.c_str()), "svg"))
         throw CLI::ValidationError("--plot", options.plot + ": needs a name that ends in .svg");
+    if (options.settings.bounces > 0 && options.settings.albedo == Rgb{})
+        throw CLI::ValidationError("--albedo", "0 in all channels: nothing bounces");
     if (Status writable = checkOutputs(options); !writable)
         return writable;
     Result<Gpu> gpu = openGpu();
@@ -298,6 +397,10 @@ Status run(const Options& options)
     report.date = now();
     report.device = gpu->capabilities;
     report.sky = options.sky;
+    report.settings = options.settings;
+    report.quantities = directQuantities();
+    if (options.settings.bounces > 0)
+        report.quantities.push_back(indirectQuantity());
     report.seed = options.seed;
     report.repeats = options.repeats;
     if (Status described = describeTerrain(options, report); !described)
@@ -315,14 +418,36 @@ Status run(const Options& options)
     report.eastSpacing = tile->nominalEastSpacing();
     report.northSpacing = tile->northSpacing;
 
-    const Truth truth = findTruth(*tile, options.sky, options.azimuths, options.posts, options.seed,
-                                  [&](double fraction)
-                                  { progress.reach(readEnd + (truthEnd - readEnd) * fraction); });
+    if (options.settings.bounces > 0 &&
+        std::any_of(tile->eastSpacings.begin(), tile->eastSpacings.end(),
+                    [&](double spacing) { return spacing != tile->eastSpacings.front(); }))
+        return Error{ErrorCode::NotSupported,
+                     report.terrain +
+                         ": --bounces needs posts as far apart in every row, for the path tracer; "
+                         "this raster is in degrees. One in metres does (gdalwarp -t_srs)"};
+
+    Truth truth = findTruth(*tile, options.sky, options.azimuths, options.posts, options.seed,
+                            [&](double fraction)
+                            { progress.reach(readEnd + (truthEnd - readEnd) * fraction); });
     report.skyPosts = truth.skyPosts;
     report.sunPosts = truth.posts.size();
 
+    std::optional<IndirectTruth> indirect;
+    if (options.settings.bounces > 0)
+    {
+        Result<IndirectTruth> built = IndirectTruth::build(*tile, options.sky, options.settings,
+                                                           options.seed, options.posts, truth);
+        if (!built)
+            return Error{built.error().code, report.terrain + ": " + built.error().message};
+        indirect.emplace(std::move(*built));
+    }
+
     if (Status measured = measureAll(*gpu, *tile, truth, report, progress); !measured)
         return measured;
+    if (indirect)
+        if (Status measured = measureIndirect(options, truth, *indirect, report, progress);
+            !measured)
+            return measured;
     progress.reach(1.0);
     if (std::none_of(report.rows.begin(), report.rows.end(),
                      [](const Row& row) { return row.skipped.empty(); }))
@@ -405,6 +530,46 @@ void addAzimuthList(CLI::App& app, std::vector<int>& azimuths)
         ->type_name("LIST");
 }
 
+/// --bounces, --albedo, --paths.
+void addIndirect(CLI::App& app, Options& options)
+{
+    CLI::Option* bounces = addNumbers(
+        app, "--bounces", "N", {"bounces"},
+        "Diffuse bounces of light from terrain to terrain, 0 ... 8, which are measured too; "
+        "default 0",
+        [&options](const auto& v) { options.settings.bounces = static_cast<int>(v[0]); });
+    const auto readAlbedo = [&options](const std::string& given)
+    {
+        std::vector<double> values;
+        for (const std::string& part : CLI::detail::split(given, ','))
+        {
+            values.emplace_back();
+            if (!CLI::detail::lexical_cast(part, values.back()))
+                throw CLI::ValidationError("--albedo", "'" + given + "': needs numbers, V|R,G,B");
+            if (const std::string wrong = ParameterRange::find("albedo")->complaint(values.back());
+                !wrong.empty())
+                throw CLI::ValidationError("--albedo", wrong);
+        }
+        if (values.size() != 1 && values.size() != 3)
+            throw CLI::ValidationError("--albedo", "'" + given + "': needs one number or three");
+        for (std::size_t c = 0; c < 3; ++c)
+            options.settings.albedo[c] = static_cast<float>(values[values.size() == 3 ? c : 0]);
+    };
+    app.add_option_function<std::string>(
+           "--albedo", readAlbedo,
+           "Part of the light that the ground reflects, 0 ... 1; default 0.5")
+        ->type_name("V|R,G,B")
+        ->needs(bounces);
+    addLimitedNumbers(app, "--paths", "N", {{"paths", 64.0, 67108864.0, true}},
+                      "Paths per post that the light of bounces is compared with, rounded up to a "
+                      "power of 2; default: until their noise is a fifth of the smallest error, at "
+                      "most " +
+                          std::to_string(IndirectTruth::mostPaths),
+                      [&options](const auto& v)
+                      { options.paths = static_cast<std::uint64_t>(v[0]); })
+        ->needs(bounces);
+}
+
 CLI::Option* addGenerated(CLI::App& app, Options& options)
 {
     const auto read = [&options](const std::string& given)
@@ -463,11 +628,15 @@ Mode addBench(CLI::App& tool)
     addAzimuthList(*app, options->azimuths);
     addSun(*app, options->sky);
     addSunRadius(*app, options->sky);
-    addLimitedNumbers(*app, "--posts", "N", {{"posts", 1.0, 1000000.0, true}},
-                      "Random posts at which the error is measured (the sun's at 10 N); default " +
-                          std::to_string(options->posts),
-                      [options](const auto& v)
-                      { options->posts = static_cast<std::size_t>(v[0]); });
+    app->add_flag_function(
+        "--no-sun", [options](std::int64_t) { options->sky.sunEnabled = false; }, "Sky light only");
+    addIndirect(*app, *options);
+    addLimitedNumbers(
+        *app, "--posts", "N", {{"posts", 1.0, 1000000.0, true}},
+        "Random posts at which the error is measured (the sun's at 10 N, that of bounces "
+        "at N/10); default " +
+            std::to_string(options->posts),
+        [options](const auto& v) { options->posts = static_cast<std::size_t>(v[0]); });
     addLimitedNumbers(
         *app, "--seed", "N", {{"seed", 0.0, 4294967295.0, true}}, "Which random posts; default 1",
         [options](const auto& v) { options->seed = static_cast<std::uint32_t>(v[0]); });

@@ -99,18 +99,18 @@ std::string dataBlocks(const Report& report)
             if (row.skipped.empty() && row.method == methods[m])
             {
                 script << row.settings.azimuths << ' ' << row.gpuMilliseconds;
-                for (std::size_t q = 0; q < quantities().size(); ++q)
-                    script << ' ' << row.errors[q].*quantities()[q].main;
+                for (std::size_t q = 0; q < report.quantities.size(); ++q)
+                    script << ' ' << row.errors[q].*report.quantities[q].main;
                 script << '\n';
             }
         script << "END\n";
     }
-    for (std::size_t q = 0; q < quantities().size(); ++q)
+    for (std::size_t q = 0; q < report.quantities.size(); ++q)
     {
         std::vector<CostAndError> front;
         for (const Row& row : report.rows)
             if (row.skipped.empty() && row.onFront[q])
-                front.push_back({row.gpuMilliseconds, row.errors[q].*quantities()[q].main});
+                front.push_back({row.gpuMilliseconds, row.errors[q].*report.quantities[q].main});
         std::sort(front.begin(), front.end(),
                   [](const auto& a, const auto& b) { return a.cost < b.cost; });
         script << "$front" << q << " << END\n";
@@ -126,8 +126,8 @@ std::string axisOf(const Report& report, std::size_t q)
 {
     std::vector<double> errors;
     for (const Row& row : report.rows)
-        if (row.skipped.empty() && std::isfinite(row.errors[q].*quantities()[q].main))
-            errors.push_back(row.errors[q].*quantities()[q].main);
+        if (row.skipped.empty() && std::isfinite(row.errors[q].*report.quantities[q].main))
+            errors.push_back(row.errors[q].*report.quantities[q].main);
     if (!errors.empty() && *std::min_element(errors.begin(), errors.end()) > 0.0)
         return logarithmic("y", errors);
     const double highest = errors.empty() ? 0.0 : *std::max_element(errors.begin(), errors.end());
@@ -153,13 +153,22 @@ Result<std::string> svgOf(const Report& report)
         if (row.skipped.empty())
             times.push_back(std::max(row.gpuMilliseconds, 1e-4)); // timers are that coarse
     const std::vector<std::string> methods = methodsOf(report);
+    // Two panels to a line, 373 high with what is around them; 74 more above and below.
+    const std::size_t lines = (report.quantities.size() + 1) / 2;
+    const double height = static_cast<double>(74 + 373 * lines);
+    // Strings at once: text() uses the same few buffers.
+    const std::string canvas =
+        CPLSPrintf("set encoding utf8\n"
+                   "set terminal svg size 960,%.0f font 'sans-serif,12' background '#ffffff'\n",
+                   height);
+    const std::string layout =
+        CPLSPrintf("set multiplot layout %d,2 margins 0.08,0.98,%.4f,%.4f spacing 0.1,%.4f title ",
+                   static_cast<int>(lines), 115.0 / height, 1.0 - 66.0 / height, 107.0 / height);
     std::string script =
-        "set encoding utf8\n"
-        "set terminal svg size 960,820 font 'sans-serif,12' background '#ffffff'\n" +
+        canvas +
         // All that is long comes before anything is drawn, since gnuplot stops reading while its
         // output waits to be read.
-        dataBlocks(report) +
-        "set multiplot layout 2,2 margins 0.08,0.98,0.14,0.92 spacing 0.1,0.13 title " +
+        dataBlocks(report) + layout +
         quoted(report.terrain + ": " + std::to_string(report.width) + " x " +
                std::to_string(report.height) + " posts, " + report.device.renderer +
                (report.device.isSoftware() ? " (software)" : "") + ", " +
@@ -168,13 +177,13 @@ Result<std::string> svgOf(const Report& report)
     // Okabe and Ito's colours, which colour-blind readers tell apart.
     const char* const colours[] = {"#0072b2", "#d55e00", "#009e73",
                                    "#cc79a7", "#e69f00", "#56b4e9"};
-    for (std::size_t q = 0; q < quantities().size(); ++q)
+    for (std::size_t q = 0; q < report.quantities.size(); ++q)
     {
-        if (q + 1 == quantities().size())
+        if (q + 1 == report.quantities.size())
             script += "set key at screen 0.5,0.02 center bottom horizontal maxrows 1 width 2\n";
         const int error = static_cast<int>(q) + 3;
         script += axisOf(report, q) + "set title " +
-                  quoted(quantities()[q].title + ": " + quantities()[q].mainTitle) +
+                  quoted(report.quantities[q].title + ": " + report.quantities[q].mainTitle) +
                   " noenhanced\nplot $front" + std::to_string(q) +
                   " using 1:2 with lines linewidth 5 linecolor '#d0d0d0' title 'Pareto front'";
         for (std::size_t m = 0; m < methods.size(); ++m)

@@ -49,9 +49,9 @@ std::vector<Cell> cellsOf(const Report& report, const Row& row)
     addMeasured("gpu_ms", [&] { return row.gpuMilliseconds; });
     addMeasured("wall_ms", [&] { return row.wallMilliseconds; });
     addMeasured("memory_bytes", [&] { return static_cast<std::int64_t>(row.bytes); });
-    for (std::size_t q = 0; q < quantities().size(); ++q)
+    for (std::size_t q = 0; q < report.quantities.size(); ++q)
     {
-        const Quantity& quantity = quantities()[q];
+        const Quantity& quantity = report.quantities[q];
         const std::pair<const char*, double ErrorStatistics::*> statistics[] = {
             {"mean", &ErrorStatistics::mean},
             {"rms", &ErrorStatistics::rms},
@@ -62,6 +62,9 @@ std::vector<Cell> cellsOf(const Report& report, const Row& row)
             addMeasured(quantity.name + "_" + name + "_" + quantity.unit,
                         [&, m = member] { return row.errors[q].*m; });
         addMeasured(quantity.name + "_relative_rms", [&] { return row.errors[q].relativeRms; });
+        if (quantity.noisy)
+            addMeasured(quantity.name + "_relative_noise",
+                        [&] { return row.errors[q].relativeNoise; });
         addMeasured(quantity.name + "_front", [&] { return std::int64_t(row.onFront[q]); });
     }
     if (measured)
@@ -149,11 +152,12 @@ std::string costTable(const Report& report)
 
 std::string errorTable(const Report& report, std::size_t q)
 {
-    const Quantity& quantity = quantities()[q];
+    const Quantity& quantity = report.quantities[q];
     std::string table =
         "Error of the " + quantity.title + " [" + quantity.unit + "]; * front of GPU ms against " +
         quantity.mainTitle + "\n  " + labelOf(report, "method", "azimuths") +
-        "    GPU ms      mean       rms       p99       max       bias  relative rms\n";
+        "    GPU ms      mean       rms       p99       max       bias  relative rms" +
+        (quantity.noisy ? "     noise\n" : "\n");
     for (const Row& row : report.rows)
     {
         if (!row.skipped.empty())
@@ -167,6 +171,8 @@ std::string errorTable(const Report& report, std::size_t q)
         table += CPLSPrintf(" %+10.3g", e.bias);
         table += std::isnan(e.relativeRms) ? std::string(13, ' ') + "-"
                                            : CPLSPrintf(" %13.3g", e.relativeRms);
+        if (quantity.noisy)
+            table += CPLSPrintf(" %9.2g", e.relativeNoise);
         table += "\n";
     }
     return table;
@@ -190,9 +196,9 @@ std::vector<bool> paretoFront(const std::vector<CostAndError>& points)
 
 void markFronts(Report& report)
 {
-    for (const Quantity& quantity : quantities())
+    for (const Quantity& quantity : report.quantities)
     {
-        const std::size_t q = static_cast<std::size_t>(&quantity - quantities().data());
+        const std::size_t q = static_cast<std::size_t>(&quantity - report.quantities.data());
         std::vector<CostAndError> points;
         for (const Row& row : report.rows)
             if (row.skipped.empty())
@@ -214,16 +220,22 @@ std::string tableOf(const Report& report)
         ", OpenGL " + device.version + "\n" + "Terrain:   " + report.terrain + ", " +
         std::to_string(report.width) + " x " + std::to_string(report.height) + " posts, " +
         std::to_string(report.validPosts) + " of them valid, " +
-        CPLSPrintf("%.6g x %.6g m\n", report.eastSpacing, report.northSpacing) +
-        "Sun:       azimuth " + text(report.sky.sunAzimuth) + ", elevation " +
-        text(report.sky.sunElevation) + " degrees\n" +
+        CPLSPrintf("%.6g x %.6g m\n", report.eastSpacing, report.northSpacing) + "Sun:       " +
+        (report.sky.sunEnabled ? "azimuth " + text(report.sky.sunAzimuth) + ", elevation " +
+                                     text(report.sky.sunElevation) + " degrees\n"
+                               : "off\n") +
         "Reference: exhaustive horizons in double at " + std::to_string(report.skyPosts) +
         " random posts (sun: " + std::to_string(report.sunPosts) + "), seed " +
         std::to_string(report.seed) + "\n" + "Times:     median of " +
         std::to_string(report.repeats) +
         " rounds, in each of which every row runs after a warm-up\n";
+    if (report.settings.bounces > 0)
+        table += "Bounces:   " + std::to_string(report.settings.bounces) + ", albedo " +
+                 text(report.settings.albedo) + "; reference: " + std::to_string(report.paths) +
+                 " paths at each of " + std::to_string(report.indirectPosts) +
+                 " posts; their noise is taken out of rms and relative rms, and shown beside\n";
     table += "\n" + costTable(report);
-    for (std::size_t q = 0; q < quantities().size(); ++q)
+    for (std::size_t q = 0; q < report.quantities.size(); ++q)
         table += "\n" + errorTable(report, q);
     return table;
 }
@@ -268,13 +280,28 @@ std::string jsonOf(const Report& report)
     sun.Add("azimuth_deg", report.sky.sunAzimuth);
     sun.Add("elevation_deg", report.sky.sunElevation);
     sun.Add("radius_deg", report.sky.sunAngularRadius);
-    root.Add("sun", sun);
+    if (report.sky.sunEnabled)
+        root.Add("sun", sun);
+    else
+        root.AddNull("sun");
     CPLJSONObject reference;
     reference.Add("posts", static_cast<GInt64>(report.skyPosts));
     reference.Add("sun_posts", static_cast<GInt64>(report.sunPosts));
     reference.Add("seed", static_cast<GInt64>(report.seed));
     reference.Add("sky_azimuths", Truth::skyAzimuths);
     reference.Add("sun_strips", Truth::sunStrips);
+    if (report.settings.bounces > 0)
+    {
+        reference.Add("indirect_posts", static_cast<GInt64>(report.indirectPosts));
+        reference.Add("paths", static_cast<GInt64>(report.paths));
+        CPLJSONObject bounces;
+        bounces.Add("count", report.settings.bounces);
+        CPLJSONArray albedo;
+        for (const float channel : report.settings.albedo)
+            albedo.Add(static_cast<double>(channel));
+        bounces.Add("albedo", albedo);
+        root.Add("bounces", bounces);
+    }
     root.Add("reference", reference);
     root.Add("repeats", report.repeats);
     CPLJSONArray rows;

@@ -19,6 +19,7 @@ struct Row
     double gpuMilliseconds = 0.0;
     double wallMilliseconds = 0.0;
     std::size_t bytes = 0;
+    std::vector<double> indirect;        ///< found: luminance of all bounces, post by post
     std::vector<ErrorStatistics> errors; ///< by quantity
     std::vector<bool> onFront;           ///< by quantity
 };
@@ -32,7 +33,10 @@ struct Report
     std::size_t validPosts = 0;
     double eastSpacing = 0.0, northSpacing = 0.0; ///< in the middle [m]
     SkyLight sky;
-    std::size_t skyPosts = 0, sunPosts = 0;
+    LightingSettings settings; ///< bounces and albedo
+    std::vector<Quantity> quantities;
+    std::size_t skyPosts = 0, sunPosts = 0, indirectPosts = 0;
+    std::uint64_t paths = 0; ///< per post of indirectPosts
     std::uint32_t seed = 0;
     int repeats = 0;
     std::vector<std::string> stages;

@@ -59,6 +59,11 @@ void inParallel(std::size_t count, const std::function<void(std::size_t)>& job,
         thread.join();
 }
 
+double luminance(const reference::LinearRgb& c)
+{
+    return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+}
+
 std::vector<Compared> compareHorizons(const Truth& truth, const Found& found)
 {
     std::vector<Compared> values;
@@ -104,9 +109,17 @@ std::vector<Compared> compareLight(const Truth& truth, const Found& found)
         const std::size_t lender = i % truth.skyPosts;
         const double sky = skyView(i) - (skyView(lender) - truth.sky[lender]);
         const osg::Vec4f& c = found.shading.at(truth.posts[i].column, truth.posts[i].row);
-        values.push_back({luminance({c.r(), c.g(), c.b()}),
+        values.push_back({osgTerrainLight::luminance(Rgb{c.r(), c.g(), c.b()}),
                           truth.skyLuminance * sky + truth.sunlight[i] * truth.sun[i]});
     }
+    return values;
+}
+
+std::vector<Compared> compareIndirect(const Truth& truth, const Found& found)
+{
+    std::vector<Compared> values;
+    for (std::size_t i = 0; i < truth.indirect.size(); ++i)
+        values.push_back({found.indirect[i], truth.indirect[i], truth.indirectVariance[i]});
     return values;
 }
 
@@ -131,7 +144,7 @@ Truth findTruth(const DemTile& tile, const SkyLight& sky, const std::vector<int>
     truth.sun.resize(truth.posts.size());
     truth.sky.resize(truth.skyPosts);
     truth.sunlight.resize(truth.posts.size());
-    truth.skyLuminance = luminance(sky.skyRadiance);
+    truth.skyLuminance = osgTerrainLight::luminance(sky.skyRadiance);
     for (const int count : azimuthCounts)
         if (std::none_of(azimuthCounts.begin(), azimuthCounts.end(),
                          [&](int other) { return other > count && other % count == 0; }))
@@ -144,12 +157,17 @@ Truth findTruth(const DemTile& tile, const SkyLight& sky, const std::vector<int>
     const auto atPost = [&](std::size_t i)
     {
         const auto [column, row] = truth.posts[i];
-        truth.sun[i] = reference::sunFraction(tile, column, row, sun, Truth::sunStrips,
-                                              reference::SkyExtent::AboveHorizontal, options);
+        // Where it is off, the shading says 1.
+        truth.sun[i] = sky.sunEnabled
+                           ? reference::sunFraction(tile, column, row, sun, Truth::sunStrips,
+                                                    reference::SkyExtent::AboveHorizontal, options)
+                           : 1.0;
         const reference::Vector3 normal = reference::surfaceNormal(tile, column, row);
         const double facing =
             normal[0] * towardsSun[0] + normal[1] * towardsSun[1] + normal[2] * towardsSun[2];
-        truth.sunlight[i] = luminance(sky.sunIrradiance) * std::max(facing, 0.0) / pi;
+        if (sky.sunEnabled)
+            truth.sunlight[i] =
+                osgTerrainLight::luminance(sky.sunIrradiance) * std::max(facing, 0.0) / pi;
         if (i >= truth.skyPosts)
             return;
         truth.sky[i] = reference::skyViewFactor(
@@ -170,12 +188,79 @@ Truth findTruth(const DemTile& tile, const SkyLight& sky, const std::vector<int>
     return truth;
 }
 
+Result<IndirectTruth> IndirectTruth::build(const DemTile& tile, const SkyLight& sky,
+                                           const LightingSettings& settings, std::uint32_t seed,
+                                           std::size_t skyPosts, Truth& truth)
+{
+    reference::SceneDescription scene;
+    scene.tile = tile;
+    scene.albedo = settings.albedo;
+    Result<reference::PathTracer> tracer = reference::PathTracer::build(std::move(scene));
+    if (!tracer)
+        return tracer.error();
+    IndirectTruth indirect(std::move(*tracer), truth);
+    indirect._illumination.light = sky;
+    indirect._bounces = settings.bounces;
+    indirect._seed = seed;
+    const std::size_t count =
+        std::min(std::max<std::size_t>(skyPosts / skyPostsPerPost, 1), truth.posts.size());
+    for (std::size_t i = 0; i < count; ++i)
+        indirect._receivers.push_back({truth.posts[i].column, truth.posts[i].row});
+    truth.indirect.assign(count, 0.0);
+    truth.indirectVariance.assign(count, 0.0);
+    return indirect;
+}
+
+Status IndirectTruth::refine(std::uint64_t paths, const std::function<void(double)>& progress)
+{
+    // Colours and bounces of a path depend on one another, so the standard error of their luminance
+    // does not follow from theirs: it is that of independent runs.
+    constexpr int runs = 32;
+    reference::PathTracerOptions options;
+    options.batches = 2;
+    options.bounces = _bounces;
+    options.samples =
+        static_cast<int>(((_paths > 0 ? _paths : paths) + runs - 1) / static_cast<unsigned>(runs));
+    std::vector<double> mean(_receivers.size()), squares(_receivers.size());
+    std::uint64_t added = 0;
+    for (int run = 0; run < runs; ++run)
+    {
+        options.seed = (_seed << 32) + _runs++;
+        options.progress = [&](std::size_t done, std::size_t all)
+        { progress((run + static_cast<double>(done) / static_cast<double>(all)) / runs); };
+        const Result<std::vector<reference::ReceivedLight>> received =
+            _tracer.trace(_illumination, _receivers, options);
+        if (!received)
+            return received.error();
+        added += received->front().samples;
+        for (std::size_t i = 0; i < _receivers.size(); ++i)
+        {
+            double light = 0.0;
+            for (const reference::Estimate& bounce : (*received)[i].bounces)
+                light += luminance(bounce.mean);
+            const double difference = light - mean[i];
+            mean[i] += difference / (run + 1);
+            squares[i] += difference * (light - mean[i]);
+        }
+    }
+    const double fresh = static_cast<double>(added) / static_cast<double>(_paths + added);
+    for (std::size_t i = 0; i < _receivers.size(); ++i)
+    {
+        _truth.indirect[i] += fresh * (mean[i] - _truth.indirect[i]);
+        _truth.indirectVariance[i] = (1.0 - fresh) * (1.0 - fresh) * _truth.indirectVariance[i] +
+                                     fresh * fresh * squares[i] / (runs * (runs - 1.0));
+    }
+    _paths += added;
+    return Nothing{};
+}
+
 ErrorStatistics statisticsOf(const std::vector<Compared>& values)
 {
     ErrorStatistics result;
     std::vector<double> sizes;
     double squares = 0.0;
     double expectedSquares = 0.0;
+    double variance = 0.0;
     for (const Compared& value : values)
     {
         const double error = value.found - value.expected;
@@ -184,20 +269,26 @@ ErrorStatistics statisticsOf(const std::vector<Compared>& values)
         result.bias += error;
         squares += error * error;
         expectedSquares += value.expected * value.expected;
+        variance += value.variance;
     }
+    // An estimate's square is too large by its variance, on average, and so is an error's.
+    squares = std::max(squares - variance, 0.0);
+    expectedSquares = std::max(expectedSquares - variance, 0.0);
     const double count = static_cast<double>(values.size());
     result.mean /= count;
     result.bias /= count;
     result.rms = std::sqrt(squares / count);
     result.relativeRms = expectedSquares > 0.0 ? std::sqrt(squares / expectedSquares)
                                                : std::numeric_limits<double>::quiet_NaN();
+    if (variance > 0.0)
+        result.relativeNoise = std::sqrt(variance / expectedSquares);
     std::sort(sizes.begin(), sizes.end());
     result.p99 = sizes[sizes.size() * 99 / 100];
     result.max = sizes.back();
     return result;
 }
 
-const std::vector<Quantity>& quantities()
+const std::vector<Quantity>& directQuantities()
 {
     static const std::vector<Quantity> table = {
         {"horizon", "deg", "horizon elevation", &ErrorStatistics::mean, "mean error in degrees",
@@ -209,6 +300,18 @@ const std::vector<Quantity>& quantities()
         {"light", "luminance", "luminance of the shading", &ErrorStatistics::relativeRms,
          "relative RMS error", compareLight}};
     return table;
+}
+
+const Quantity& indirectQuantity()
+{
+    static const Quantity quantity = {"indirect",
+                                      "luminance",
+                                      "luminance of the light that bounces",
+                                      &ErrorStatistics::relativeRms,
+                                      "relative RMS error",
+                                      compareIndirect,
+                                      true};
+    return quantity;
 }
 
 } // namespace osgTerrainLight::tool::bench

@@ -2,6 +2,8 @@
 
 #include "Common.h"
 
+#include "reference/PathTracer.h"
+
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -35,6 +37,8 @@ struct Truth
     /// Horizon elevation [degrees], clamped at 0, post by post, by azimuth count. A count that
     /// divides another has no entry of its own.
     std::map<int, std::vector<double>> horizons;
+    /// Luminance of the light that bounces, at the first posts, and its squared standard error.
+    std::vector<double> indirect, indirectVariance;
 
     double horizon(std::size_t post, int azimuth, int azimuths) const;
 };
@@ -45,15 +49,51 @@ Truth findTruth(const DemTile& tile, const SkyLight& sky, const std::vector<int>
                 std::size_t skyPosts, std::uint32_t seed,
                 const std::function<void(double)>& progress);
 
+/// Light that bounces, at some posts, by the path tracer: irradiance / pi of all bounces together.
+class IndirectTruth
+{
+public:
+    /// A post takes some 100 times as long as its sky, and few posts say enough: errors are spread
+    /// evenly, unlike the sun's.
+    static constexpr std::size_t skyPostsPerPost = 10;
+    static constexpr std::uint64_t firstPaths = 1024, mostPaths = 1u << 20;
+
+    /// At the first of truth.posts, which it refers to. Errors: those of PathTracer::build().
+    static Result<IndirectTruth> build(const DemTile& tile, const SkyLight& sky,
+                                       const LightingSettings& settings, std::uint32_t seed,
+                                       std::size_t skyPosts, Truth& truth);
+
+    /// Adds that many paths to each post (a few more: up to the next power of two), or, where there
+    /// are some, as many again as there are. progress: 0 … 1.
+    Status refine(std::uint64_t paths, const std::function<void(double)>& progress);
+
+    std::uint64_t paths() const { return _paths; } ///< per post
+
+private:
+    IndirectTruth(reference::PathTracer tracer, Truth& truth)
+        : _tracer(std::move(tracer)), _truth(truth)
+    {
+    }
+
+    reference::PathTracer _tracer;
+    Truth& _truth;
+    reference::Illumination _illumination;
+    std::vector<reference::Receiver> _receivers;
+    int _bounces = 1;
+    std::uint64_t _seed = 0, _runs = 0, _paths = 0;
+};
+
 /// A result, read back.
 struct Found
 {
     HorizonMap horizons;
     Raster<float> sky;
-    Raster<osg::Vec4f> shading;
+    Raster<osg::Vec4f> shading;   ///< of direct light
+    std::vector<double> indirect; ///< luminance of all bounces, post by post
 };
 
-/// Of found − expected.
+/// Of found − expected. Where what is expected has a variance of its own, that is taken out of the
+/// two mean squares, and stays in the rest.
 struct ErrorStatistics
 {
     double mean = 0.0; ///< of absolute values
@@ -61,16 +101,18 @@ struct ErrorStatistics
     double p99 = 0.0; ///< of absolute values
     double max = 0.0; ///< of absolute values
     double bias = 0.0;
-    double relativeRms = 0.0; ///< RMS error over the RMS of what is expected; NaN where that is 0
+    double relativeRms = 0.0;   ///< RMS error over the RMS of what is expected; NaN where that is 0
+    double relativeNoise = 0.0; ///< RMS of the standard errors over the same
 };
 
 struct Compared
 {
     double found, expected;
+    double variance = 0.0; ///< of what is expected
 };
 ErrorStatistics statisticsOf(const std::vector<Compared>& values);
 
-/// Something that a result can be wrong in. A new one is an entry of quantities().
+/// Something that a result can be wrong in. A new one is an entry of directQuantities().
 struct Quantity
 {
     std::string name;  ///< begins its columns
@@ -80,7 +122,9 @@ struct Quantity
     double ErrorStatistics::*main;
     std::string mainTitle;
     std::vector<Compared> (*compare)(const Truth&, const Found&);
+    bool noisy = false; ///< what is expected has a variance
 };
-const std::vector<Quantity>& quantities();
+const std::vector<Quantity>& directQuantities();
+const Quantity& indirectQuantity();
 
 } // namespace osgTerrainLight::tool::bench

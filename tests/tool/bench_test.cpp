@@ -37,6 +37,17 @@ const char* const columns =
     "light_mean_luminance,light_rms_luminance,light_p99_luminance,light_max_luminance,"
     "light_bias_luminance,light_relative_rms,light_front,skipped";
 
+/// And with --bounces.
+std::string withBounces(std::string names)
+{
+    names.insert(names.find("gpu_ms"), "gpu_pyramid_ms,gpu_bounce_ms,");
+    names.insert(names.find("skipped"),
+                 "indirect_mean_luminance,indirect_rms_luminance,indirect_p99_luminance,"
+                 "indirect_max_luminance,indirect_bias_luminance,indirect_relative_rms,"
+                 "indirect_relative_noise,indirect_front,");
+    return names;
+}
+
 /// Fields of CSV; quotes go.
 std::vector<std::string> split(const std::string& line)
 {
@@ -55,12 +66,12 @@ std::vector<std::string> split(const std::string& line)
 /// A row of the CSV by column.
 using Record = std::map<std::string, std::string>;
 
-std::vector<Record> readCsv(const std::string& path)
+std::vector<Record> readCsv(const std::string& path, bool bounces = false)
 {
     std::istringstream file(contentOf(path));
     std::string line;
     std::getline(file, line);
-    EXPECT_EQ(line, columns);
+    EXPECT_EQ(line, bounces ? withBounces(columns) : columns);
     const std::vector<std::string> names = split(line);
     std::vector<Record> records;
     while (std::getline(file, line))
@@ -194,6 +205,14 @@ TEST_F(BenchMistakes, AreRefusedBeforeTheWork)
         {"dem.tif --repeats 0", 2, {"repeats", "0", "1 ... 1000"}},
         {"dem.tif --seed -1", 2, {"seed", "-1"}},
         {"dem.tif --sun 315", 2, {"--sun", "AZ,EL"}},
+        {"dem.tif --bounces 9", 2, {"bounces", "9", "0 ... 8"}},
+        {"dem.tif --bounces 1 --albedo 1.5", 2, {"albedo", "1.5", "0 ... 1"}},
+        {"dem.tif --bounces 1 --albedo 0.5,0.5", 2, {"--albedo", "one number or three"}},
+        {"dem.tif --bounces 1 --albedo grey", 2, {"--albedo", "grey"}},
+        {"dem.tif --bounces 1 --albedo 0,0,0", 2, {"--albedo", "nothing bounces"}},
+        {"dem.tif --albedo 0.5", 2, {"--albedo", "--bounces"}},
+        {"dem.tif --paths 1000", 2, {"--paths", "--bounces"}},
+        {"dem.tif --bounces 1 --paths 10", 2, {"paths", "10", "64 ... 67108864"}},
         {"dem.tif --plot p.png", 2, {"--plot", "p.png", ".svg"}},
         {"dem.tif --csv dem.tif", 2, {"--csv", "dem.tif is the file of INPUT"}},
         {"dem.tif --csv link.csv", 2, {"--csv", "link.csv is the file of INPUT"}},
@@ -513,6 +532,96 @@ TEST_F(Bench, PlainAtNight)
         EXPECT_EQ(record.at("sun_relative_rms"), "");
     }
     EXPECT_TRUE(has(labelsOf(path("p.svg")), "|plain & 'x' <y>.tif: 9 x 7 posts, "));
+}
+
+TEST_F(Bench, BouncesNeedOneEastSpacing)
+{
+    const ToolRun result = run("bench " + jacksboro + " --bounces 1 -q --csv b.csv");
+    EXPECT_EQ(result.status, 1);
+    EXPECT_EQ(result.out, "");
+    EXPECT_TRUE(result.complains("jacksboro_90m.tif: --bounces needs posts as far apart"))
+        << result.err;
+    EXPECT_TRUE(left().empty());
+}
+
+// The error must not depend on how many paths it is measured with, nor direct light on bounces.
+TEST_F(Bench, BouncesAreMeasuredAgainstPaths)
+{
+    const auto measured = [&](const std::string& arguments)
+    {
+        const ToolRun result =
+            run("bench --generate fractal,2 --size 64 --azimuths 16,32 --methods sweep-normal "
+                "--posts 400 --repeats 1 --csv b.csv --json b.json --plot p.svg -q " +
+                arguments);
+        EXPECT_EQ(result.status, 0) << result.err;
+        EXPECT_TRUE(has(result.out, "noise")) << result.out;
+        return readCsv(path("b.csv"), true);
+    };
+    const std::vector<Record> few = measured("--bounces 2 --albedo 0.6,0.5,0.4 --paths 2000");
+    CPLJSONDocument json;
+    ASSERT_TRUE(json.Load(path("b.json")));
+    const CPLJSONObject root = json.GetRoot();
+    EXPECT_EQ(root.GetInteger("reference/paths"), 2048);
+    EXPECT_EQ(root.GetInteger("reference/indirect_posts"), 40);
+    EXPECT_EQ(root.GetInteger("bounces/count"), 2);
+    EXPECT_NEAR(root.GetArray("bounces/albedo")[2].ToDouble(), 0.4, 1e-7);
+    EXPECT_TRUE(has(labelsOf(path("p.svg")), "|luminance of the light that bounces: relative RMS"));
+    const std::vector<Record> many = measured("--bounces 2 --albedo 0.6,0.5,0.4");
+    ASSERT_EQ(few.size(), 2u);
+    ASSERT_EQ(many.size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i)
+    {
+        EXPECT_GT(number(many[i], "gpu_pyramid_ms"), 0.0);
+        EXPECT_GT(number(many[i], "gpu_bounce_ms"), 0.0);
+        const double error = number(many[i], "indirect_relative_rms");
+        const double noise = number(few[i], "indirect_relative_noise");
+        EXPECT_GT(error, 0.0);
+        EXPECT_LT(error, 0.1);
+        EXPECT_GT(noise, 2.0 * number(many[i], "indirect_relative_noise"));
+        // Noise is taken out: what is left of it in the mean square of 40 posts is some
+        // noise^2 sqrt(2 / 40), and a cross term of 2 error noise / sqrt(40). 5 sigma.
+        EXPECT_NEAR(
+            std::pow(number(few[i], "indirect_relative_rms"), 2.0), error * error,
+            5.0 * (noise * noise * std::sqrt(2.0 / 40.0) + 2.0 * error * noise / std::sqrt(40.0)));
+        EXPECT_EQ(few[i].at("light_relative_rms"), many[i].at("light_relative_rms"));
+    }
+    const double smallest = std::min(number(many[0], "indirect_relative_rms"),
+                                     number(many[1], "indirect_relative_rms"));
+    EXPECT_LT(number(many[0], "indirect_relative_noise"), 0.2 * smallest);
+
+    // Direct light is measured as without bounces.
+    ASSERT_EQ(run("bench --generate fractal,2 --size 64 --azimuths 16,32 --methods sweep-normal "
+                  "--posts 400 --repeats 1 --csv d.csv -q")
+                  .status,
+              0);
+    const std::vector<Record> direct = readCsv(path("d.csv"));
+    for (std::size_t i = 0; i < 2; ++i)
+        for (const auto& [column, value] : errorsOf(direct[i]))
+            EXPECT_EQ(many[i].at(column), value) << column;
+}
+
+// A valley of two planes: without the sun, light is the sky's and what bounces of it.
+TEST_F(Bench, SkyAloneBounces)
+{
+    std::vector<float> heights;
+    for (int row = 0; row < 15; ++row)
+        for (int column = 0; column < 41; ++column)
+            heights.push_back(static_cast<float>(10 * std::abs(column - 20)));
+    writeRaster("valley.tif", 41, 15, heights, {0, 10, 0, 0, 0, -10});
+    const ToolRun result = run("bench valley.tif --no-sun --bounces 1 --azimuths 32 --repeats 1 "
+                               "--posts 4000 --paths 4096 --csv b.csv --json b.json -q");
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_TRUE(has(result.out, "Sun:       off"));
+    CPLJSONDocument json;
+    ASSERT_TRUE(json.Load(path("b.json")));
+    EXPECT_EQ(json.GetRoot().GetObj("sun").GetType(), CPLJSONObject::Type::Null);
+    for (const Record& record : readCsv(path("b.csv"), true))
+    {
+        EXPECT_EQ(number(record, "sun_max_fraction"), 0.0);
+        EXPECT_EQ(number(record, "gpu_sun_ms"), 0.0);
+        EXPECT_LT(number(record, "light_relative_rms"), 0.01);
+        EXPECT_LT(number(record, "indirect_relative_rms"), 0.1) << record.at("method");
+    }
 }
 
 TEST_F(Bench, VoidsAreNoPosts)
