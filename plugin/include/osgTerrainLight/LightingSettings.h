@@ -24,6 +24,18 @@ OSGTERRAINLIGHT_EXPORT const char* toString(HorizonQuality quality);
 /// False where the text is none of draft, normal, best; quality is then unchanged.
 OSGTERRAINLIGHT_EXPORT bool fromString(const std::string& text, HorizonQuality& quality);
 
+/// How bounces are computed; docs/ARCHITECTURE.md compares the two.
+enum class BounceMethod
+{
+    Slices,         ///< each segment of terrain exactly: the cheapest way to a given error
+    Legendre,       ///< spherical harmonics of order 4, as Nowrouzezahrai and Snyder 2009
+    LegendreBSpline ///< the same, azimuths joined by B-splines instead of linearly
+};
+
+OSGTERRAINLIGHT_EXPORT const char* toString(BounceMethod method);
+/// False where the text is none of slices, legendre, legendre-bspline; method is then unchanged.
+OSGTERRAINLIGHT_EXPORT bool fromString(const std::string& text, BounceMethod& method);
+
 /// Every parameter of the lighting computation that is not the light itself: plain data.
 struct OSGTERRAINLIGHT_EXPORT LightingSettings
 {
@@ -32,6 +44,7 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
     HorizonQuality quality = HorizonQuality::Normal;
     /// Diffuse bounces of light from terrain to terrain: 0 … 8.
     int bounces = 0;
+    BounceMethod bounceMethod = BounceMethod::Slices;
     /// What the ground reflects of the light it receives, 0 … 1 per channel, where a tile has no
     /// albedo of its own.
     std::array<float, 3> albedo = {0.5f, 0.5f, 0.5f};
@@ -80,8 +93,8 @@ struct OSGTERRAINLIGHT_EXPORT ParameterRange
     double maximum = 0.0;
     std::string meaning;
 
-    /// Names accepted: azimuths, bounces, albedo, exposure, sun-azimuth, sun-elevation, sun-radius, sun-irradiance,
-    /// max-error, max-ms, sky-radiance. Null where there is no such parameter.
+    /// Names accepted: azimuths, bounces, albedo, exposure, sun-azimuth, sun-elevation, sun-radius,
+    /// sun-irradiance, max-error, max-ms, sky-radiance. Null where there is no such parameter.
     static const ParameterRange* find(const std::string& name);
     static const std::vector<ParameterRange>& all();
 
