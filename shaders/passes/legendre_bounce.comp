@@ -25,22 +25,6 @@ uniform int levelCount;
 uniform ivec4 levels[16];  // x, y, width, height in the pyramids' textures; the first is not used
 uniform vec4 orderWeights; // what the blend between azimuths leaves of each |m| (WedgeMatrices)
 
-// (height above `here` times weight, weight), bilinear between posts.
-vec2 riseBetweenPosts(vec2 place, Length here)
-{
-    ivec2 corner = clamp(ivec2(floor(place)), ivec2(0), max(size - 2, ivec2(0)));
-    vec2 share = place - vec2(corner);
-    vec2 sum = vec2(0.0);
-    for (int i = 0; i < 4; ++i)
-    {
-        ivec2 side = ivec2(i % 2, i / 2);
-        Length height = postHeight(heights, min(corner + side, size - 1) + frame);
-        float weight = (side.x == 0 ? 1.0 - share.x : share.x) * (side.y == 0 ? 1.0 - share.y : share.y);
-        sum += isVoid(height) ? vec2(0.0) : weight * vec2(height - here, 1.0);
-    }
-    return sum;
-}
-
 void main()
 {
     ivec2 post = ivec2(gl_GlobalInvocationID.xy);
@@ -84,7 +68,7 @@ void main()
             ivec4 level = levels[number];
             vec2 rise;
             if (number == 0)
-                rise = riseBetweenPosts(place, here);
+                rise = riseBetweenPosts(heights, place, size, frame, here);
             else
             {
                 rise = textureLod(heightPyramid, (vec2(level.xy) + texel) * scale, 0.0).xy;

@@ -43,6 +43,7 @@ const std::vector<Variant> variants = {
     {"pyramid", {"HEIGHTS"}},
     {"pyramid", {"HEIGHTS", "FROM_POSTS"}},
     {"pyramid", {"ON_POSTS"}},
+    {"pyramid_horizon", {}},
     {"radiance", {}},
     {"radiance", {"DIRECT"}},
     {"shade", {}},
