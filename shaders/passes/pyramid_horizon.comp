@@ -35,6 +35,8 @@ void main()
     vec2 scale = 1.0 / vec2(textureSize(heightPyramid, 0));
     // The last four samples. The spline has its first and last one twice more, so that it ends in them.
     vec4 last = vec4(0.0);
+    // The paper starts from the surface's own horizon. That is the consumer's part: with a normal that is
+    // its neighbours' mean it is wrong by more than what is missing nearer than the first sample.
     Angle highest = -HALF_PI;
     bool started = false;
     for (int i = 0; i < sampleCount + 2; ++i)
