@@ -1,5 +1,7 @@
 #include "Common.h"
 
+#include "io/AlbedoFile.h"
+
 #include "gpu/passes/HorizonPass.h"
 
 #include <cpl_conv.h>
@@ -120,10 +122,17 @@ Status compute(LitTile& lit, const SkyLight& sky, SkyViewDefinition definition, 
     const auto start = std::chrono::steady_clock::now();
     SkyLight first = sky;
     first.sunEnabled = sky.sunEnabled && !sky.skyEnabled;
-    lit.lighting = new TileLighting(lit.dem.tile, lit.settings, first, definition);
-    for (const SkyLight& light : {first, sky})
+    LightingSettings direct = lit.settings;
+    direct.bounces = 0;
+    lit.lighting = new TileLighting(lit.dem.tile, direct, first, definition);
+    lit.lighting->setAlbedo(lit.albedo);
+    for (const bool last : {false, true})
     {
-        lit.lighting->setSky(light);
+        if (last)
+        {
+            lit.lighting->setSky(sky);
+            lit.lighting->setSettings(lit.settings);
+        }
         if (Status done = lit.lighting->update(lit.gpu.state()); !done)
             return done;
         if (Status done = lit.gpu.finish(); !done)
@@ -265,6 +274,47 @@ void addSettings(CLI::App& app, LightingSettings& settings, bool azimuths)
            [&settings](const std::string& name) { fromString(name, settings.quality); },
            "Speed against error; default normal")
         ->check(CLI::IsMember({"draft", "normal", "best"}));
+}
+
+void addBounces(CLI::App& app, RasterOptions& options)
+{
+    addNumbers(app, "--bounces", "N", {"bounces"},
+               "Bounces of light from terrain to terrain, 0 ... 8; default 0",
+               [&options](const auto& v) { options.settings.bounces = static_cast<int>(v[0]); });
+    addNumbers(app, "--subsampling", "N", {"subsampling"},
+               "Gather bounces at every N-th post, 1, 2 or 4; default 1",
+               [&options](const auto& v) { options.settings.subsampling = static_cast<int>(v[0]); })
+        ->needs("--bounces");
+    app.add_option_function<std::string>(
+           "--albedo",
+           [&options](const std::string& given)
+           {
+               std::vector<double> values;
+               for (const std::string& part : CLI::detail::split(given, ','))
+               {
+                   double value = 0.0;
+                   if (!CLI::detail::lexical_cast(part, value))
+                   {
+                       options.albedoFile = given;
+                       return;
+                   }
+                   if (const std::string wrong = ParameterRange::find("albedo")->complaint(value);
+                       !wrong.empty())
+                       throw CLI::ValidationError("--albedo", wrong);
+                   values.push_back(value);
+               }
+               if (values.size() != 1 && values.size() != 3)
+                   throw CLI::ValidationError(
+                       "--albedo", "'" + given + "': needs one number, three, or a raster");
+               for (std::size_t c = 0; c < 3; ++c)
+                   options.settings.albedo[c] =
+                       static_cast<float>(values[values.size() == 3 ? c : 0]);
+           },
+           "What the ground reflects, for bounces: V or R,G,B, 0 ... 1; or a raster of the DEM's "
+           "size "
+           "(bytes are sRGB colours, else linear); default 0.5")
+        ->type_name("V|R,G,B|RASTER")
+        ->needs("--bounces");
 }
 
 Status checkOutput(const OutputOptions& output, int bands)
@@ -556,6 +606,13 @@ Status process(const std::string& mode, const RasterOptions& options, const SkyL
         return dem.error();
     lit.dem = std::move(*dem);
     lit.settings = options.settings;
+    if (!options.albedoFile.empty())
+    {
+        Result<Raster<Rgb>> albedo = readAlbedo(options.albedoFile, *info);
+        if (!albedo)
+            return albedo.error();
+        lit.albedo = std::move(*albedo);
+    }
     if (Status chosen = choose(lit, options, sky, product, definition, progress); !chosen)
         return Error{chosen.error().code, path + ": " + chosen.error().message};
     if (Status computed = compute(lit, sky, definition, progress); !computed)

@@ -110,11 +110,14 @@ struct RasterOptions
     std::string input;
     DemReadOptions read;
     LightingSettings settings;
+    std::string albedoFile;                          ///< a raster; empty: settings.albedo
     std::optional<double> maxError, maxMilliseconds; ///< one of them: settings are chosen by it
     OutputOptions output;
 };
 /// azimuths: false where the mode computes none but the sun's.
 void addRasterOptions(CLI::App& app, RasterOptions& options, bool azimuths = true);
+/// --bounces and --albedo.
+void addBounces(CLI::App& app, RasterOptions& options);
 /// --max-error and --max-ms, instead of the settings.
 void addBudget(CLI::App& app, RasterOptions& options);
 
@@ -169,6 +172,7 @@ struct LitTile
     Gpu gpu;
     osg::ref_ptr<TileLighting> lighting;
     LightingSettings settings;
+    Raster<Rgb> albedo;                   ///< empty: the settings'
     std::optional<SettingsChoice> choice; ///< where a budget made it
     int azimuths = 0;                     ///< horizons computed per post, the sun's included
     double seconds = 0.0;

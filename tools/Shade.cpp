@@ -110,6 +110,10 @@ Metadata metadataOf(const Options& options, const LitTile& lit)
     add(metadata, "SKY", options.sky.skyEnabled ? "uniform" : "none");
     if (options.sky.skyEnabled)
         add(metadata, "SKY_RADIANCE", text(options.sky.skyRadiance));
+    add(metadata, "BOUNCES", std::to_string(options.settings.bounces));
+    if (options.settings.bounces > 0)
+        add(metadata, "ALBEDO",
+            options.albedoFile.empty() ? text(options.settings.albedo) : options.albedoFile);
     add(metadata, "SUN", options.sky.sunEnabled ? "yes" : "no");
     if (options.sky.sunEnabled)
     {
@@ -151,11 +155,13 @@ Mode addShade(CLI::App& tool)
     app->footer("Examples:\n"
                 "  terrainlight shade dem.tif shade.tif --sun 315,35\n"
                 "  terrainlight shade dem.tif shade.png --sun 315,35 --exposure 0.5\n"
+                "  terrainlight shade dem.tif glow.png --bounces 2 --albedo photo.tif\n"
                 "  terrainlight shade dem.tif sky.exr --no-sun --sky-radiance 1,1,1\n"
                 "  terrainlight shade dem.tif sun.tif --sun 120,10 --sky none "
                 "-co COMPRESS=DEFLATE");
     const auto options = std::make_shared<Options>();
     addRasterOptions(*app, *options);
+    addBounces(*app, *options);
     addBudget(*app, *options);
     addSun(*app, options->sky);
     addSunRadius(*app, options->sky);

@@ -1,5 +1,6 @@
 // One bounce of diffuse light: what a post receives from the terrain it sees (MATHS, "One slice,
-// exactly"; casting set of Nowrouzezahrai and Snyder 2009, section 3).
+// exactly"; casting set of Nowrouzezahrai and Snyder 2009, section 3). COARSE: at every stride-th post,
+// as a vector per colour whose product with a normal is the irradiance, for upsample.comp.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D heights;      // R32F [m], framed by `frame` void posts, row 0 south
@@ -10,8 +11,18 @@ uniform sampler2D radiance;     // rgb = what cells send out, a = 1 where valid
 uniform sampler2D heightPyramid;   // RG32F: height times weight, weight
 uniform sampler2D radiancePyramid; // RGBA16F: radiance times weight, weight
 uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k/m from east
+#ifdef COARSE
+uniform sampler2D shading; // of which alpha is read
+uniform sampler2D light;   // irradiance / pi of the last bounce
+layout(rgba16f, binding = 0) writeonly uniform image2D redVector; // over pi; a = 1 where valid
+layout(rgba16f, binding = 1) writeonly uniform image2D greenVector;
+layout(rgba16f, binding = 2) writeonly uniform image2D blueVector;
+uniform int stride;
+#else
 layout(rgba16f, binding = 0) uniform image2D shading; // += irradiance / pi
 layout(rgba16f, binding = 1) uniform image2D light; // irradiance / pi of the last bounce; of this one
+const int stride = 1;
+#endif
 
 uniform ivec2 size; // posts
 uniform int frame;
@@ -71,28 +82,39 @@ CornerLight lightOfCorners(ivec2 post, Length here, Length east, float visible)
 
 void main()
 {
-    ivec2 post = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 id = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 post = id * stride;
     if (post.x >= size.x || post.y >= size.y)
         return;
     Length here = postHeight(heights, post + frame);
     if (isVoid(here))
     {
+#ifdef COARSE
+        imageStore(redVector, id, vec4(0.0));
+        imageStore(greenVector, id, vec4(0.0));
+        imageStore(blueVector, id, vec4(0.0));
+#else
         imageStore(light, post, vec4(0.0));
+#endif
         return;
     }
     Length east = texelFetch(eastSpacings, ivec2(0, post.y), 0).x;
     vec3 normal = postNormal(heights, post + frame, east, northSpacing);
     vec3 colour = texelFetch(albedo, min(post, textureSize(albedo, 0) - 1), 0).rgb;
+#ifdef COARSE
+    vec4 before = texelFetch(shading, post, 0);
+    vec3 bounced = texelFetch(light, post, 0).rgb;
+#else
     vec4 before = imageLoad(shading, post);
+    vec3 bounced = imageLoad(light, post).rgb;
+#endif
 #ifdef DIRECT
     CornerLight corners = lightOfCorners(post, here, east, before.a);
-#else
-    vec3 own = colour * imageLoad(light, post).rgb;
 #endif
     vec2 heightScale = 1.0 / vec2(textureSize(heightPyramid, 0));
     vec2 radianceScale = 1.0 / vec2(textureSize(radiancePyramid, 0));
     float width = 2.0 * PI / float(azimuths);
-    vec3 sum = vec3(0.0);
+    mat3 sum = mat3(0.0); // a vector per colour
     for (int k = 0; k < azimuths; ++k)
     {
         vec4 direction = directions[k];
@@ -110,10 +132,8 @@ void main()
         float cosine = cos(phi);
         float sine = sin(phi);
         float nh = normal.x * cosine + normal.y * sine;
-        // Irradiance of unit radiance from the zenith down to a slope.
-        vec2 facing = vec2(normal.z, nh);
         Slope highest = -nh / normal.z;
-        float below = dot(facing, sliceMoments(highest, width));
+        vec2 below = sliceMoments(highest, width);
         // Much of what a post sees is the cell it stands on, from where the cell begins.
         ivec2 side = ivec2(drift < 0.0 ? -minor : minor);
         Length ahead = postHeight(heights, post + major + frame);
@@ -125,10 +145,11 @@ void main()
         ivec2 quadrant = max(major + side, ivec2(0));
         vec3 last = colour * corners.light[quadrant.x + 2 * quadrant.y];
 #else
-        vec3 last = own;
+        vec3 last = colour * bounced;
 #endif
-        float above = dot(facing, sliceMoments(highest, width));
-        vec3 arrived = (below - above) * last;
+        vec2 above = sliceMoments(highest, width);
+        vec3 upward = (below.x - above.x) * last;
+        vec3 outward = (below.y - above.y) * last;
         below = above;
         for (int i = 0; i < nearCount; ++i)
         {
@@ -145,8 +166,9 @@ void main()
             slope = (height - here) / (distance * stepLength);
             seen = inside && !isVoid(height) && slope > highest;
             highest = seen ? max(highest, min(slope, cap)) : highest;
-            above = dot(facing, sliceMoments(highest, width));
-            arrived += (below - above) * sent;
+            above = sliceMoments(highest, width);
+            upward += (below.x - above.x) * sent;
+            outward += (below.y - above.y) * sent;
             below = above;
             last = seen ? sent : last;
         }
@@ -166,17 +188,28 @@ void main()
             slope = (height.x / max(height.y, 1.0e-3) - here) / (samples[i].x * stepLength);
             seen = inside && height.y > 0.5 && slope > highest;
             highest = seen ? max(highest, min(slope, cap)) : highest;
-            above = dot(facing, sliceMoments(highest, width));
-            arrived += (below - above) * sent.rgb;
+            above = sliceMoments(highest, width);
+            upward += (below.x - above.x) * sent.rgb;
+            outward += (below.y - above.y) * sent.rgb;
             below = above;
             last = seen ? sent.rgb : last;
         }
         // Up to the crest, which coarse samples under-estimate.
         highest = max(highest, cap);
-        arrived += (below - dot(facing, sliceMoments(highest, width))) * last;
-        sum += arrived;
+        above = sliceMoments(highest, width);
+        upward += (below.x - above.x) * last;
+        outward += (below.y - above.y) * last;
+        for (int c = 0; c < 3; ++c)
+            sum[c] += vec3(cosine * outward[c], sine * outward[c], upward[c]);
     }
     sum /= PI;
-    imageStore(shading, post, vec4(roundedToHalf(before.rgb + sum), before.a));
-    imageStore(light, post, vec4(roundedToHalf(sum), 1.0));
+#ifdef COARSE
+    imageStore(redVector, id, vec4(roundedToHalf(sum[0]), 1.0));
+    imageStore(greenVector, id, vec4(roundedToHalf(sum[1]), 1.0));
+    imageStore(blueVector, id, vec4(roundedToHalf(sum[2]), 1.0));
+#else
+    vec3 received = normal * sum;
+    imageStore(shading, post, vec4(roundedToHalf(before.rgb + received), before.a));
+    imageStore(light, post, vec4(roundedToHalf(received), 1.0));
+#endif
 }

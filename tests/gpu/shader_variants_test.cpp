@@ -25,7 +25,9 @@ struct Variant
 /// Every combination of defines in use. One that is not listed does not exist.
 const std::vector<Variant> variants = {
     {"bounce", {}},
+    {"bounce", {"COARSE"}},
     {"bounce", {"DIRECT"}},
+    {"bounce", {"DIRECT", "COARSE"}},
     {"frame_heights", {}},
     {"horizon_near", {}},
     {"horizon_scan", {}},
@@ -48,6 +50,7 @@ const std::vector<Variant> variants = {
     {"radiance", {"DIRECT"}},
     {"shade", {}},
     {"sky_view", {}},
+    {"upsample", {}},
 };
 
 std::string nameOf(const Variant& variant)

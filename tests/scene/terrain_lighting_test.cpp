@@ -130,7 +130,10 @@ TEST(TerrainLighting, AStillSceneDispatchesNothingAndAChangeOnlyWhatItReaches)
     picture.draw(3);
     auto counts = lighting->getDispatchCounts();
     using Counts = std::map<std::string, unsigned>;
-    EXPECT_EQ(counts, (Counts{{"horizon", 1}, {"sky", 1}, {"sun", 1}, {"shade", 1}}));
+    EXPECT_EQ(
+        counts,
+        (Counts{
+            {"horizon", 1}, {"sky", 1}, {"sun", 1}, {"shade", 1}, {"pyramid", 0}, {"bounce", 0}}));
     picture.draw(20);
     EXPECT_EQ(lighting->getDispatchCounts(), counts);
 
@@ -138,13 +141,13 @@ TEST(TerrainLighting, AStillSceneDispatchesNothingAndAChangeOnlyWhatItReaches)
     sky.sunAzimuth = 100.0;
     lighting->setSkyLight(sky);
     picture.draw(3);
-    EXPECT_EQ(lighting->getDispatchCounts(),
-              (Counts{{"horizon", 1}, {"sky", 1}, {"sun", 2}, {"shade", 2}}));
+    counts["sun"] = counts["shade"] = 2;
+    EXPECT_EQ(lighting->getDispatchCounts(), counts);
     sky.sunIrradiance = {1.0f, 1.0f, 1.0f}; // the sun's horizon does not depend on it
     lighting->setSkyLight(sky);
     picture.draw(3);
-    EXPECT_EQ(lighting->getDispatchCounts(),
-              (Counts{{"horizon", 1}, {"sky", 1}, {"sun", 2}, {"shade", 3}}));
+    counts["shade"] = 3;
+    EXPECT_EQ(lighting->getDispatchCounts(), counts);
     LightingSettings settings = lighting->getSettings();
     settings.exposure = 1.5;
     lighting->setSettings(settings);

@@ -45,6 +45,10 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
     /// Diffuse bounces of light from terrain to terrain: 0 … 8.
     int bounces = 0;
     BounceMethod bounceMethod = BounceMethod::Slices;
+    /// Bounces are gathered at every 1st, 2nd or 4th post in both directions, and shaded with all
+    /// posts' own normals: 4 and 16 times less work (docs/ARCHITECTURE.md has the errors). By
+    /// slices alone.
+    int subsampling = 1;
     /// What the ground reflects of the light it receives, 0 … 1 per channel, where a tile has no
     /// albedo of its own.
     std::array<float, 3> albedo = {0.5f, 0.5f, 0.5f};
@@ -93,8 +97,9 @@ struct OSGTERRAINLIGHT_EXPORT ParameterRange
     double maximum = 0.0;
     std::string meaning;
 
-    /// Names accepted: azimuths, bounces, albedo, exposure, sun-azimuth, sun-elevation, sun-radius,
-    /// sun-irradiance, max-error, max-ms, sky-radiance. Null where there is no such parameter.
+    /// Names accepted: azimuths, bounces, subsampling, albedo,
+    /// exposure, sun-azimuth, sun-elevation, sun-radius, sun-irradiance,
+    /// max-error, max-ms, sky-radiance. Null where there is no such parameter.
     static const ParameterRange* find(const std::string& name);
     static const std::vector<ParameterRange>& all();
 

@@ -62,6 +62,7 @@ const std::vector<ParameterRange>& ParameterRange::all()
     static const std::vector<ParameterRange> table = {
         {"azimuths", "", 4, 256, "azimuths of the horizon map, a multiple of 4"},
         {"bounces", "", 0, 8, "diffuse bounces of light from terrain to terrain"},
+        {"subsampling", "", 1, 4, "posts from one that gathers bounces to the next: 1, 2 or 4"},
         {"albedo", "", 0, 1, "part of the light that the ground reflects, per channel"},
         {"exposure", "stops", -20, 20, "brightness of the displayed picture"},
         {"sun-azimuth", "degrees", -360, 720, "clockwise from north"},
@@ -87,12 +88,18 @@ std::string ParameterRange::complaint(double value) const
 {
     const bool inRange = value >= minimum && value <= maximum; // false for NaN
     const bool isCount = name == "azimuths";
-    if (inRange && (!isCount || (value == std::floor(value) &&
-                                 AzimuthSet::isValidCount(static_cast<int>(value)))))
+    const bool isPower = name == "subsampling";
+    const bool isWhole = isCount || isPower || name == "bounces";
+    if (inRange && (!isWhole || value == std::floor(value)) && (!isPower || value != 3.0) &&
+        (!isCount || AzimuthSet::isValidCount(static_cast<int>(value))))
         return {};
     std::ostringstream text;
     text << name << " = " << value << (unit.empty() ? "" : " ") << unit << ": needs "
-         << (isCount ? "a multiple of 4, " : "") << minimum << " ... " << maximum;
+         << (isCount   ? "a multiple of 4, "
+             : isPower ? "a power of 2, "
+             : isWhole ? "a whole number, "
+                       : "")
+         << minimum << " ... " << maximum;
     return text.str();
 }
 

@@ -47,11 +47,14 @@ Status setNumbers(LightParameters& parameters, const ParameterRange& range, cons
 {
     Rgb* colour = range.name == "sun-irradiance" ? &parameters.sky.sunIrradiance
                   : range.name == "sky-radiance" ? &parameters.sky.skyRadiance
+                  : range.name == "albedo"       ? &parameters.settings.albedo
                                                  : nullptr;
     const Error bad = refused(name, text,
-                              (colour                     ? "one number or three, "
-                               : range.name == "azimuths" ? "a multiple of 4, "
-                                                          : "a number, ") +
+                              (colour                        ? "one number or three, "
+                               : range.name == "azimuths"    ? "a multiple of 4, "
+                               : range.name == "subsampling" ? "a power of 2, "
+                               : range.name == "bounces"     ? "a whole number, "
+                                                             : "a number, ") +
                                   rangeOf(range));
     const std::vector<double> values = numbersIn(text);
     if (values.size() != 1 && !(colour && values.size() == 3))
@@ -65,6 +68,10 @@ Status setNumbers(LightParameters& parameters, const ParameterRange& range, cons
             (*colour)[i] = static_cast<float>(values[values.size() == 3 ? i : 0]);
     else if (range.name == "azimuths")
         parameters.settings.azimuths = static_cast<int>(value);
+    else if (range.name == "bounces")
+        parameters.settings.bounces = static_cast<int>(value);
+    else if (range.name == "subsampling")
+        parameters.settings.subsampling = static_cast<int>(value);
     else if (range.name == "exposure")
         parameters.settings.exposure = value;
     else if (range.name == "sun-azimuth")
@@ -138,8 +145,16 @@ std::string complaint(const SkyLight& sky)
 
 std::string complaint(const LightingSettings& settings)
 {
-    const std::string azimuths = complaintOf("azimuths", settings.azimuths);
-    return azimuths.empty() ? complaintOf("exposure", settings.exposure) : azimuths;
+    std::vector<std::string> found = {complaintOf("azimuths", settings.azimuths),
+                                      complaintOf("bounces", settings.bounces),
+                                      complaintOf("subsampling", settings.subsampling),
+                                      complaintOf("exposure", settings.exposure)};
+    for (const float channel : settings.albedo)
+        found.push_back(complaintOf("albedo", static_cast<double>(channel)));
+    for (const std::string& text : found)
+        if (!text.empty())
+            return text;
+    return {};
 }
 
 } // namespace osgTerrainLight

@@ -57,6 +57,11 @@ static bool readSettings(osgDB::InputStream& is, osgTerrainLight::TerrainLightin
     is >> is.PROPERTY("Azimuths") >> settings.azimuths;
     is >> is.PROPERTY("Quality") >> quality;
     is >> is.PROPERTY("Exposure") >> settings.exposure;
+    is >> is.PROPERTY("Bounces") >> settings.bounces;
+    is >> is.PROPERTY("Subsampling") >> settings.subsampling;
+    is >> is.PROPERTY("Albedo");
+    for (float& channel : settings.albedo)
+        is >> channel;
     is >> is.END_BRACKET;
     if (!osgTerrainLight::fromString(quality, settings.quality))
         OSG_WARN << "osgTerrainLight: quality " << quality << " read from file: needs draft, "
@@ -72,6 +77,12 @@ static bool writeSettings(osgDB::OutputStream& os, const osgTerrainLight::Terrai
     os << os.PROPERTY("Azimuths") << settings.azimuths << std::endl;
     os << os.PROPERTY("Quality") << std::string(toString(settings.quality)) << std::endl;
     os << os.PROPERTY("Exposure") << settings.exposure << std::endl;
+    os << os.PROPERTY("Bounces") << settings.bounces << std::endl;
+    os << os.PROPERTY("Subsampling") << settings.subsampling << std::endl;
+    os << os.PROPERTY("Albedo");
+    for (const float channel : settings.albedo)
+        os << channel;
+    os << std::endl;
     os << os.END_BRACKET << std::endl;
     return true;
 }

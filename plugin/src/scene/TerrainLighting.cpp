@@ -100,13 +100,6 @@ TileVersion versionOf(const osgTerrain::TerrainTile& tile, const osg::Matrixd& t
             tile.getTerrain() ? tile.getTerrain()->getVerticalScale() : 1.0f, toScene};
 }
 
-bool hasColour(const osgTerrain::TerrainTile& tile)
-{
-    const osgTerrain::Layer* layer = tile.getNumColorLayers() > 0 ? tile.getColorLayer(0) : nullptr;
-    // A contour layer's image is a ramp of colours over height, not a picture.
-    return layer && layer->getImage() && !dynamic_cast<const osgTerrain::ContourLayer*>(layer);
-}
-
 /// A tile that the visitor has come across.
 struct FoundTile
 {
@@ -509,6 +502,7 @@ private:
         const bool stock = dynamic_cast<const osgTerrain::GeometryTechnique*>(
                                tile.getTerrainTechnique()) != nullptr;
         entry.lit = light(*dem, nameOf(tile));
+        entry.lit.tile->lighting().setAlbedo(readTerrainAlbedo(tile, dem->width(), dem->height()));
         if (!entry.theirVariance)
             entry.ownStateSet = !tile.getStateSet();
         bind(entry.lit, tile.getOrCreateStateSet(), *coordinates,

@@ -1,5 +1,7 @@
 #include "scene/TerrainTileReader.h"
 
+#include "io/AlbedoFile.h"
+
 #include "io/DemReader.h"
 
 #include <osgTerrain/Layer>
@@ -212,6 +214,38 @@ void addTileCoordinates(const osgTerrain::TerrainTile& tile, const std::vector<T
         part.geometry->setTexCoordArray(ShadingTexture::coordinateSet, coordinates,
                                         osg::Array::BIND_PER_VERTEX);
     }
+}
+
+bool hasColour(const osgTerrain::TerrainTile& tile)
+{
+    const osgTerrain::Layer* layer = tile.getNumColorLayers() > 0 ? tile.getColorLayer(0) : nullptr;
+    // A contour layer's image is a ramp of colours over height, not a picture.
+    return layer && layer->getImage() && !dynamic_cast<const osgTerrain::ContourLayer*>(layer);
+}
+
+Raster<Rgb> readTerrainAlbedo(const osgTerrain::TerrainTile& tile, int width, int height)
+{
+    if (!hasColour(tile))
+        return {};
+    const osg::Image& image = *tile.getColorLayer(0)->getImage();
+    const bool encoded = image.getDataType() == GL_UNSIGNED_BYTE;
+    Raster<Rgb> albedo(width, height);
+    for (int row = 0; row < height; ++row)
+        for (int column = 0; column < width; ++column)
+        {
+            // Of the image's texels the outermost reach to the tile's edges.
+            const auto texel = [](int post, int posts, int texels)
+            { return std::min(texels - 1, (2 * post + 1) * texels / (2 * posts)); };
+            const osg::Vec4 colour =
+                image.getColor(static_cast<unsigned>(texel(column, width, image.s())),
+                               static_cast<unsigned>(texel(row, height, image.t())));
+            for (std::size_t c = 0; c < 3; ++c)
+            {
+                const float value = std::clamp(colour[static_cast<unsigned>(c)], 0.0f, 1.0f);
+                albedo.at(column, row)[c] = encoded ? linearOfSrgb(value) : value;
+            }
+        }
+    return albedo;
 }
 
 } // namespace osgTerrainLight

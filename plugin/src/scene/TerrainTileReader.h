@@ -1,9 +1,11 @@
 #pragma once
 
+#include "core/Raster.h"
 #include "core/Result.h"
 #include <osgTerrainLight/DemTile.h>
 #include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/ShadingTexture.h>
+#include <osgTerrainLight/SkyLight.h>
 
 #include <osg/Geometry>
 #include <osg/Referenced>
@@ -38,6 +40,14 @@ struct TilePart
 /// frame to that of TerrainLighting. An error where rows do not run east, or heights not up.
 OSGTERRAINLIGHT_EXPORT Result<DemTile> readTerrainTile(osgTerrain::TerrainTile& tile,
                                                        const osg::Matrixd& toScene);
+
+/// The tile's first colour layer as an albedo per post: a picture over the tile's whole extent, its
+/// bytes sRGB. Empty where it has none, or one that is no picture.
+OSGTERRAINLIGHT_EXPORT Raster<Rgb> readTerrainAlbedo(const osgTerrain::TerrainTile& tile, int width,
+                                                     int height);
+
+/// True where the first colour layer is a picture.
+OSGTERRAINLIGHT_EXPORT bool hasColour(const osgTerrain::TerrainTile& tile);
 
 /// How the vertices of the parts find their place on the tile: by position where the locator is
 /// affine, else nothing is returned.

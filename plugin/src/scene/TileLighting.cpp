@@ -56,7 +56,7 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
     _settingsValue = _chain.addSource();
     _sunPlaceValue = _chain.addSource();
     _lightValue = _chain.addSource();
-    _albedoValue = _chain.addSource();
+    _bounceValue = _chain.addSource();
     const auto heights = _chain.addStage({"heights",
                                           {_heightsValue},
                                           [this] { return _posts.valid(); },
@@ -100,13 +100,13 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
     const auto shade =
         _chain.addStage({"shade",
                          // Bounces are added to what this writes, so it runs before each.
-                         {skyView, sun, _lightValue, _albedoValue, heights},
+                         {skyView, sun, _lightValue, _bounceValue, heights},
                          [] { return true; },
                          [this](osg::State& state) { return runShade(state); },
                          [this] { return textureBytes(*_shading); },
                          [] {}});
     const auto pyramid = _chain.addStage({"pyramid",
-                                          {_settingsValue, heights},
+                                          {_settingsValue, _bounceValue, heights},
                                           [this] { return bounceNeeded(); },
                                           [this](osg::State& state) { return runPyramid(state); },
                                           [] { return std::size_t(0); },
@@ -134,10 +134,15 @@ void TileLighting::setSettings(const LightingSettings& settings)
     const bool changed = settings.azimuths != _settings.azimuths ||
                          settings.quality != _settings.quality ||
                          settings.bounceMethod != _settings.bounceMethod;
+    if (settings.subsampling != _settings.subsampling)
+    {
+        _bounce = nullptr;
+        _chain.touch(_bounceValue);
+    }
     if (settings.bounces != _settings.bounces || settings.albedo != _settings.albedo)
     {
         _albedoTexture = nullptr;
-        _chain.touch(_albedoValue);
+        _chain.touch(_bounceValue);
     }
     _settings = settings;
     if (!changed)
@@ -164,7 +169,7 @@ void TileLighting::setAlbedo(Raster<Rgb> albedo)
     assert(albedo.size() == 0 || (albedo.width() == width() && albedo.height() == height()));
     _albedo = std::move(albedo);
     _albedoTexture = nullptr;
-    _chain.touch(_albedoValue);
+    _chain.touch(_bounceValue);
 }
 
 void TileLighting::setSky(const SkyLight& sky)
@@ -326,8 +331,9 @@ Status TileLighting::runShade(osg::State& state)
 Status TileLighting::runPyramid(osg::State& state)
 {
     if (!_bounce && _settings.bounceMethod == BounceMethod::Slices)
-        _bounce = new BouncePass(_tile, _heights, _eastSpacings,
-                                 BounceScheme::of(_settings.quality), _settings.azimuths);
+        _bounce =
+            new BouncePass(_tile, _heights, _eastSpacings, BounceScheme::of(_settings.quality),
+                           _settings.azimuths, _settings.subsampling);
     else if (!_bounce)
         _bounce = new LegendreBouncePass(
             _tile, _heights, _eastSpacings, legendreScheme(_settings.quality), _settings.azimuths,

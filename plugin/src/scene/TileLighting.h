@@ -127,7 +127,7 @@ private:
     SkyViewDefinition _definition;
 
     mutable PassChain _chain;
-    PassChain::Value _heightsValue, _settingsValue, _sunPlaceValue, _lightValue, _albedoValue;
+    PassChain::Value _heightsValue, _settingsValue, _sunPlaceValue, _lightValue, _bounceValue;
 
     osg::ref_ptr<osg::Texture2D> _heights;
     osg::ref_ptr<osg::Texture2D> _posts; ///< where heights come from; null: from _tile, for good

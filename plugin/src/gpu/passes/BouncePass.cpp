@@ -103,15 +103,19 @@ std::vector<BounceSample> bounceSamples(const BounceScheme& scheme, int reach, i
 }
 
 BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Texture2D* eastSpacings,
-                       const BounceScheme& scheme, int azimuths)
-    : _width(tile.width()), _height(tile.height()), _posts(PyramidLayout::ofPosts(_width, _height)),
+                       const BounceScheme& scheme, int azimuths, int stride)
+    : _width(tile.width()), _height(tile.height()), _stride(stride),
+      _posts(PyramidLayout::ofPosts(_width, _height)),
       _cells(PyramidLayout::ofCells(_width - 1, _height - 1)), _heights(heights),
       _directRadiance(new GpuPass("radiance", {"DIRECT"})),
-      _bouncedRadiance(new GpuPass("radiance")), _firstBounce(new GpuPass("bounce", {"DIRECT"})),
-      _nextBounce(new GpuPass("bounce")),
+      _bouncedRadiance(new GpuPass("radiance")),
       _firstHeights(new GpuPass("pyramid", {"HEIGHTS", "FROM_POSTS"})),
       _nextHeights(new GpuPass("pyramid", {"HEIGHTS"})), _reduceRadiance(new GpuPass("pyramid"))
 {
+    using Defines = std::vector<std::string>;
+    _firstBounce =
+        new GpuPass("bounce", stride == 1 ? Defines{"DIRECT"} : Defines{"DIRECT", "COARSE"});
+    _nextBounce = new GpuPass("bounce", stride == 1 ? Defines{} : Defines{"COARSE"});
     assert(_posts.levels.size() <= maxLevels && _cells.levels.size() <= maxLevels);
     _heightPyramid = createTarget(_posts.width, _posts.height, GL_RG32F);
     _radiancePyramid = createTarget(_cells.width, _cells.height, GL_RGBA16F_ARB);
@@ -163,6 +167,30 @@ BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Textur
         for (const auto& pass : bounces)
             pass->set(levels);
     }
+    if (stride > 1)
+    {
+        _upsample = new GpuPass("upsample");
+        for (std::size_t c = 0; c < 3; ++c)
+        {
+            _vectors[c] =
+                createTarget((_width - 1) / stride + 1, (_height - 1) / stride + 1, GL_RGBA16F_ARB);
+            _upsample->reads(std::array{"redVector", "greenVector", "blueVector"}[c], _vectors[c]);
+            for (const auto& pass : bounces)
+                pass->writes(static_cast<unsigned>(c), _vectors[c]);
+        }
+        _upsample->reads("heights", heights);
+        _upsample->reads("eastSpacings", eastSpacings);
+        _upsample->set("size", _width, _height);
+        _upsample->set("frame", int(HorizonPass::frame));
+        _upsample->set("stride", stride);
+        _upsample->set("northSpacing", static_cast<float>(tile.northSpacing));
+        _upsample->writes(1, _light);
+        for (const auto& pass : bounces)
+        {
+            pass->set("stride", stride);
+            pass->reads("light", _light);
+        }
+    }
     for (const auto& pass : {_directRadiance, _bouncedRadiance, _firstBounce, _nextBounce})
     {
         pass->reads("heights", heights);
@@ -180,7 +208,8 @@ BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Textur
     _bouncedRadiance->reads("light", _light);
     for (const auto& pass : bounces)
     {
-        pass->writes(1, _light, GpuPass::Access::ReadWrite);
+        if (stride == 1)
+            pass->writes(1, _light, GpuPass::Access::ReadWrite);
         pass->reads("radiance", _radiance);
         pass->reads("stepLengths", _stepLengths);
         pass->reads("heightPyramid", _heightPyramid);
@@ -243,7 +272,14 @@ Status BouncePass::dispatch(osg::State& state, int bounces, const SkyLight& sky,
     for (const auto& pass : {_directRadiance, _bouncedRadiance, _firstBounce, _nextBounce})
         pass->reads("albedo", albedo);
     for (const auto& pass : {_firstBounce, _nextBounce})
-        pass->writes(0, shading, GpuPass::Access::ReadWrite);
+        if (_upsample)
+            pass->reads("shading", shading);
+        else
+            pass->writes(0, shading, GpuPass::Access::ReadWrite);
+    if (_upsample)
+        _upsample->writes(0, shading, GpuPass::Access::ReadWrite);
+    const GpuPass::Groups coarse = {GpuPass::groupsFor((_width - 1) / _stride + 1, 8),
+                                    GpuPass::groupsFor((_height - 1) / _stride + 1, 8), 1};
     Status done = Nothing{};
     for (int bounce = 0; done && bounce < bounces; ++bounce)
     {
@@ -252,20 +288,30 @@ Status BouncePass::dispatch(osg::State& state, int bounces, const SkyLight& sky,
             done = reducePyramid(state, _cells, *_reduceRadiance, _radiance, 0, *_reduceRadiance,
                                  _radiancePyramid);
         if (done)
-            done = (bounce == 0 ? _firstBounce : _nextBounce)->dispatch(state, groups);
+            done = (bounce == 0 ? _firstBounce : _nextBounce)->dispatch(state, coarse);
+        if (done && _upsample)
+            done = _upsample->dispatch(state, groups);
     }
     return done;
 }
 
 std::vector<osg::Texture2D*> BouncePass::textures() const
 {
-    return {_stepLengths, _heightPyramid, _radiancePyramid, _radiance, _light};
+    std::vector<osg::Texture2D*> all = {_stepLengths, _heightPyramid, _radiancePyramid, _radiance,
+                                        _light};
+    for (const auto& vector : _vectors)
+        if (vector)
+            all.push_back(vector);
+    return all;
 }
 
 std::vector<GpuPass*> BouncePass::passes() const
 {
-    return {_directRadiance, _bouncedRadiance, _firstBounce,   _nextBounce,
-            _firstHeights,   _nextHeights,     _reduceRadiance};
+    std::vector<GpuPass*> all = {_directRadiance, _bouncedRadiance, _firstBounce,   _nextBounce,
+                                 _firstHeights,   _nextHeights,     _reduceRadiance};
+    if (_upsample)
+        all.push_back(_upsample);
+    return all;
 }
 
 std::size_t BouncePass::bytes() const

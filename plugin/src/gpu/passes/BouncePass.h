@@ -12,6 +12,7 @@
 #include <osg/Texture2D>
 #include <osg/Texture2DArray>
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -68,8 +69,9 @@ class OSGTERRAINLIGHT_EXPORT BouncePass : public Bounces
 {
 public:
     /// heights: createHeightTexture(tile, HorizonPass::frame). eastSpacings: one texel per row.
+    /// stride: light is gathered at every stride-th post in both directions, 1, 2 or 4.
     BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Texture2D* eastSpacings,
-               const BounceScheme& scheme, int azimuths);
+               const BounceScheme& scheme, int azimuths, int stride = 1);
 
     Status dispatchHeights(osg::State& state) override;
     /// horizon: of as many azimuths, never null.
@@ -81,12 +83,16 @@ public:
     void releaseGLObjects(osg::State* state) const override;
     void resizeGLObjectBuffers(unsigned size) override;
 
+    /// RG32F: height [m] times weight, weight; above the posts, as layout() has its levels.
+    osg::Texture2D* heightPyramid() const { return _heightPyramid; }
+    const PyramidLayout& layout() const { return _posts; }
+
 private:
     ~BouncePass() override = default;
     std::vector<osg::Texture2D*> textures() const;
     std::vector<GpuPass*> passes() const;
 
-    int _width, _height;
+    int _width, _height, _stride;
     PyramidLayout _posts, _cells;
     osg::ref_ptr<osg::Texture2D> _heights;
     osg::ref_ptr<osg::Texture2D> _stepLengths;
@@ -96,6 +102,8 @@ private:
     osg::ref_ptr<osg::Texture2D> _light;
     osg::ref_ptr<GpuPass> _directRadiance, _bouncedRadiance; ///< of cells
     osg::ref_ptr<GpuPass> _firstBounce, _nextBounce;
+    std::array<osg::ref_ptr<osg::Texture2D>, 3> _vectors; ///< of colours, where the stride is not 1
+    osg::ref_ptr<GpuPass> _upsample;                      ///< ditto
     osg::ref_ptr<GpuPass> _firstHeights, _nextHeights, _reduceRadiance;
 };
 

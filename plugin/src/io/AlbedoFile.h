@@ -1,0 +1,26 @@
+#pragma once
+
+#include "core/Raster.h"
+#include "core/Result.h"
+#include "io/DemReader.h"
+#include <osgTerrainLight/Export.h>
+#include <osgTerrainLight/SkyLight.h>
+
+#include <string>
+
+namespace osgTerrainLight
+{
+
+/// What the ground reflects, from any raster that GDAL reads, of the size of the DEM's, in the
+/// DEM's window, in tile order. One band is grey, of more the first three are red, green, blue.
+/// Bytes are sRGB colours, everything else is linear, 0 … 1. Pixels that are nodata, masked or not
+/// finite are 0: black.
+///
+/// Errors: NotFound or Failed where GDAL cannot read it; Invalid where the size is not the DEM's or
+/// a value is beyond 0 … 1.
+OSGTERRAINLIGHT_EXPORT Result<Raster<Rgb>> readAlbedo(const std::string& path, const DemInfo& dem);
+
+/// Linear value of an sRGB one, both 0 … 1 (IEC 61966-2-1).
+OSGTERRAINLIGHT_EXPORT float linearOfSrgb(float encoded);
+
+} // namespace osgTerrainLight
