@@ -112,8 +112,12 @@ Metadata metadataOf(const Options& options, const LitTile& lit)
         add(metadata, "SKY_RADIANCE", text(options.sky.skyRadiance));
     add(metadata, "BOUNCES", std::to_string(options.settings.bounces));
     if (options.settings.bounces > 0)
+    {
+        add(metadata, "BOUNCE_METHOD", toString(options.settings.bounceMethod));
+        add(metadata, "SUBSAMPLING", std::to_string(options.settings.subsampling));
         add(metadata, "ALBEDO",
             options.albedoFile.empty() ? text(options.settings.albedo) : options.albedoFile);
+    }
     add(metadata, "SUN", options.sky.sunEnabled ? "yes" : "no");
     if (options.sky.sunEnabled)
     {

@@ -27,6 +27,26 @@ Length postHeight(sampler2D heights, ivec2 post)
     return texelFetch(heights, post, 0).x;
 }
 
+// Between posts, where any may be void: (height above `here` times weight, weight), bilinear. place:
+// posts from the first, 0 ... size - 1; `frame` void posts surround them in the texture.
+vec2 riseBetweenPosts(sampler2D heights, vec2 place, ivec2 size, int frame, Length here)
+{
+    int x = max(min(int(floor(place.x)), size.x - 2), 0);
+    int y = max(min(int(floor(place.y)), size.y - 2), 0);
+    real east = place.x - real(x);
+    real north = place.y - real(y);
+    vec2 sum = vec2(real(0.0), real(0.0));
+    for (int i = 0; i < 4; ++i)
+    {
+        ivec2 post = ivec2(min(x + i % 2, size.x - 1), min(y + i / 2, size.y - 1));
+        Length height = postHeight(heights, post + ivec2(frame, frame));
+        real weight = (i % 2 == 0 ? real(1.0) - east : east) * (i / 2 == 0 ? real(1.0) - north : north);
+        if (!isVoid(height))
+            sum = sum + vec2((height - here) * weight, weight);
+    }
+    return sum;
+}
+
 // Unit normal at a post (texel of the framed texture): sum of the unnormalised normals of the up to
 // four adjacent cells that have no void corner (Timonen and Westerholm 2010, section 7); straight up
 // where there is none. eastSpacing and northSpacing [m] > 0.

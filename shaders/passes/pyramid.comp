@@ -3,7 +3,7 @@
 //
 // HEIGHTS stand on posts: a texel on every second one of the finer level, the first on the first, so that
 // levels need no shift and odd sizes no exception; it is the mean under the linear B-spline. Radiance
-// fills cells: a texel is the mean of four.
+// fills cells: a texel is the mean of four. ON_POSTS: radiance that stands on posts.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 #ifdef HEIGHTS
@@ -31,7 +31,7 @@ void main()
     if (place.x >= to.z || place.y >= to.w)
         return;
     vec4 sum = vec4(0.0);
-#ifdef HEIGHTS
+#if defined(HEIGHTS) || defined(ON_POSTS)
     for (int y = -1; y <= 1; ++y)
         for (int x = -1; x <= 1; ++x)
             sum += (x == 0 ? 0.5 : 0.25) * (y == 0 ? 0.5 : 0.25) *
@@ -39,6 +39,8 @@ void main()
 #else
     for (int i = 0; i < 4; ++i)
         sum += 0.25 * finerTexel(2 * place + ivec2(i % 2, i / 2));
+#endif
+#ifndef HEIGHTS
     sum = vec4(roundedToHalf(sum.rgb), roundedToHalf(sum.aaa).x);
 #endif
     imageStore(pyramid, to.xy + place, sum);

@@ -25,6 +25,21 @@ TEST(LightingSettings, QualityNamesRoundTrip)
     EXPECT_EQ(kept, HorizonQuality::Best);
 }
 
+TEST(LightingSettings, BounceMethodNamesRoundTrip)
+{
+    for (BounceMethod method :
+         {BounceMethod::Slices, BounceMethod::Legendre, BounceMethod::LegendreBSpline})
+    {
+        BounceMethod read = BounceMethod::Slices;
+        EXPECT_TRUE(fromString(toString(method), read));
+        EXPECT_EQ(read, method);
+    }
+    BounceMethod kept = BounceMethod::Legendre;
+    EXPECT_FALSE(fromString("Slices", kept));
+    EXPECT_FALSE(fromString("", kept));
+    EXPECT_EQ(kept, BounceMethod::Legendre);
+}
+
 TEST(LightingSettings, EachRangeHoldsItsEndsAndNothingBeyond)
 {
     std::set<std::string> names;

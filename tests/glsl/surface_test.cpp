@@ -209,3 +209,36 @@ TYPED_TEST(SurfaceFunctions, CrossingIsLinearAndExactOnLevelGround)
                   TypeParam(4807.3));
     }
 }
+
+TYPED_TEST(SurfaceFunctions, RiseBetweenPostsIsBilinearAndLeavesVoidsOut)
+{
+    Glsl<TypeParam> glsl;
+    constexpr int frame = 2;
+    Raster<TypeParam> heights(3 + 2 * frame, 2 + 2 * frame, Glsl<TypeParam>::VOID_HEIGHT);
+    for (int y = 0; y < 2; ++y)
+        for (int x = 0; x < 3; ++x)
+            heights.at(x + frame, y + frame) = static_cast<TypeParam>(100 + x + 10 * y + 4 * x * y);
+    const auto rise = [&](double x, double y)
+    {
+        return glsl.riseBetweenPosts(
+            heights,
+            typename Glsl<TypeParam>::vec2(static_cast<TypeParam>(x), static_cast<TypeParam>(y)),
+            glm::ivec2(3, 2), frame, TypeParam(90));
+    };
+    // Sums of four products of eighths: exact.
+    for (double y = 0.0; y <= 1.0; y += 0.125)
+        for (double x = 0.0; x <= 2.0; x += 0.125)
+        {
+            EXPECT_EQ(static_cast<double>(rise(x, y).x), 10.0 + x + 10.0 * y + 4.0 * x * y);
+            EXPECT_EQ(rise(x, y).y, TypeParam(1));
+        }
+    heights.at(1 + frame, frame) = Glsl<TypeParam>::VOID_HEIGHT;
+    EXPECT_EQ(rise(0.25, 0.0).y, TypeParam(0.75));
+    EXPECT_EQ(rise(0.25, 0.0).x, TypeParam(7.5));
+    EXPECT_EQ(rise(1.0, 0.0).y, TypeParam(0));
+    // A single row.
+    EXPECT_EQ(glsl.riseBetweenPosts(heights, typename Glsl<TypeParam>::vec2(2, 0), glm::ivec2(3, 1),
+                                    frame, TypeParam(90))
+                  .x,
+              TypeParam(12));
+}

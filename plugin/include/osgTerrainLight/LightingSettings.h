@@ -24,6 +24,18 @@ OSGTERRAINLIGHT_EXPORT const char* toString(HorizonQuality quality);
 /// False where the text is none of draft, normal, best; quality is then unchanged.
 OSGTERRAINLIGHT_EXPORT bool fromString(const std::string& text, HorizonQuality& quality);
 
+/// How bounces are computed; docs/ARCHITECTURE.md compares the two.
+enum class BounceMethod
+{
+    Slices,         ///< each segment of terrain exactly: the cheapest way to a given error
+    Legendre,       ///< spherical harmonics of order 4, as Nowrouzezahrai and Snyder 2009
+    LegendreBSpline ///< the same, azimuths joined by B-splines instead of linearly
+};
+
+OSGTERRAINLIGHT_EXPORT const char* toString(BounceMethod method);
+/// False where the text is none of slices, legendre, legendre-bspline; method is then unchanged.
+OSGTERRAINLIGHT_EXPORT bool fromString(const std::string& text, BounceMethod& method);
+
 /// Every parameter of the lighting computation that is not the light itself: plain data.
 struct OSGTERRAINLIGHT_EXPORT LightingSettings
 {
@@ -32,8 +44,10 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
     HorizonQuality quality = HorizonQuality::Normal;
     /// Diffuse bounces of light from terrain to terrain: 0 … 8.
     int bounces = 0;
+    BounceMethod bounceMethod = BounceMethod::Slices;
     /// Bounces are gathered at every 1st, 2nd or 4th post in both directions, and shaded with all
-    /// posts' own normals: 4 and 16 times less work (docs/ARCHITECTURE.md has the errors).
+    /// posts' own normals: 4 and 16 times less work (docs/ARCHITECTURE.md has the errors). By
+    /// slices alone.
     int subsampling = 1;
     /// What the ground reflects of the light it receives, 0 … 1 per channel, where a tile has no
     /// albedo of its own.

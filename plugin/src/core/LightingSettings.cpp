@@ -32,6 +32,31 @@ bool fromString(const std::string& text, HorizonQuality& quality)
     return false;
 }
 
+const char* toString(BounceMethod method)
+{
+    switch (method)
+    {
+    case BounceMethod::Legendre:
+        return "legendre";
+    case BounceMethod::LegendreBSpline:
+        return "legendre-bspline";
+    default:
+        return "slices";
+    }
+}
+
+bool fromString(const std::string& text, BounceMethod& method)
+{
+    for (BounceMethod m :
+         {BounceMethod::Slices, BounceMethod::Legendre, BounceMethod::LegendreBSpline})
+        if (text == toString(m))
+        {
+            method = m;
+            return true;
+        }
+    return false;
+}
+
 const std::vector<ParameterRange>& ParameterRange::all()
 {
     static const std::vector<ParameterRange> table = {

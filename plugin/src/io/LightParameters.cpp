@@ -96,7 +96,7 @@ std::vector<std::string> lightParameterNames()
     std::vector<std::string> names;
     for (const ParameterRange& range : ParameterRange::all())
         names.push_back(underscored(range.name));
-    names.insert(names.end(), {"quality", "light"});
+    names.insert(names.end(), {"quality", "bounce_method", "light"});
     return names;
 }
 
@@ -107,6 +107,10 @@ Status setLightParameter(LightParameters& parameters, const std::string& name,
         return fromString(value, parameters.settings.quality)
                    ? Status(Nothing{})
                    : Status(refused(name, value, "draft, normal or best"));
+    if (name == "bounce_method")
+        return fromString(value, parameters.settings.bounceMethod)
+                   ? Status(Nothing{})
+                   : Status(refused(name, value, "slices, legendre or legendre-bspline"));
     if (name == "light")
     {
         if (value != "off" && value != "sky" && value != "sun" && value != "both")

@@ -57,7 +57,12 @@ static bool readSettings(osgDB::InputStream& is, osgTerrainLight::TerrainLightin
     is >> is.PROPERTY("Azimuths") >> settings.azimuths;
     is >> is.PROPERTY("Quality") >> quality;
     is >> is.PROPERTY("Exposure") >> settings.exposure;
+    std::string method;
     is >> is.PROPERTY("Bounces") >> settings.bounces;
+    is >> is.PROPERTY("BounceMethod") >> method;
+    if (!osgTerrainLight::fromString(method, settings.bounceMethod))
+        OSG_WARN << "osgTerrainLight: bounce method " << method << " read from file: needs slices, "
+                 << "legendre or legendre-bspline" << std::endl;
     is >> is.PROPERTY("Subsampling") >> settings.subsampling;
     is >> is.PROPERTY("Albedo");
     for (float& channel : settings.albedo)
@@ -78,6 +83,7 @@ static bool writeSettings(osgDB::OutputStream& os, const osgTerrainLight::Terrai
     os << os.PROPERTY("Quality") << std::string(toString(settings.quality)) << std::endl;
     os << os.PROPERTY("Exposure") << settings.exposure << std::endl;
     os << os.PROPERTY("Bounces") << settings.bounces << std::endl;
+    os << os.PROPERTY("BounceMethod") << std::string(toString(settings.bounceMethod)) << std::endl;
     os << os.PROPERTY("Subsampling") << settings.subsampling << std::endl;
     os << os.PROPERTY("Albedo");
     for (const float channel : settings.albedo)

@@ -3,6 +3,8 @@
 #include "glsl_host.h"
 #include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
+#include "gpu/passes/BouncePass.h"
+#include "gpu/passes/LegendreBouncePass.h"
 
 #include <OpenThreads/ScopedLock>
 #include <osg/GLExtensions>
@@ -129,8 +131,9 @@ bool TileLighting::needsSun(const SkyLight& sky)
 void TileLighting::setSettings(const LightingSettings& settings)
 {
     Lock lock(_mutex);
-    const bool changed =
-        settings.azimuths != _settings.azimuths || settings.quality != _settings.quality;
+    const bool changed = settings.azimuths != _settings.azimuths ||
+                         settings.quality != _settings.quality ||
+                         settings.bounceMethod != _settings.bounceMethod;
     if (settings.subsampling != _settings.subsampling)
     {
         _bounce = nullptr;
@@ -327,10 +330,15 @@ Status TileLighting::runShade(osg::State& state)
 
 Status TileLighting::runPyramid(osg::State& state)
 {
-    if (!_bounce)
+    if (!_bounce && _settings.bounceMethod == BounceMethod::Slices)
         _bounce =
             new BouncePass(_tile, _heights, _eastSpacings, BounceScheme::of(_settings.quality),
                            _settings.azimuths, _settings.subsampling);
+    else if (!_bounce)
+        _bounce = new LegendreBouncePass(
+            _tile, _heights, _eastSpacings, legendreScheme(_settings.quality), _settings.azimuths,
+            _settings.bounceMethod == BounceMethod::Legendre ? AzimuthBlend::Linear
+                                                             : AzimuthBlend::BSpline);
     return _bounce->dispatchHeights(state);
 }
 
@@ -339,8 +347,8 @@ Status TileLighting::runBounce(osg::State& state)
     if (!_albedoTexture)
         _albedoTexture =
             createColourTexture(_albedo.size() ? _albedo : Raster<Rgb>(1, 1, _settings.albedo));
-    return _bounce->dispatch(state, _settings.bounces, _sky, _horizon->horizon(), _albedoTexture,
-                             _shading);
+    return _bounce->dispatch(state, _settings.bounces, _sky,
+                             _horizon ? _horizon->horizon() : nullptr, _albedoTexture, _shading);
 }
 
 Raster<osg::Vec4f> TileLighting::readColours(osg::State& state, osg::Texture2D& texture) const

@@ -11,7 +11,7 @@
 #include "gpu/GpuPass.h"
 #include "gpu/HeightTexture.h"
 #include "gpu/PassChain.h"
-#include "gpu/passes/BouncePass.h"
+#include "gpu/passes/Bounces.h"
 #include "gpu/passes/HorizonPass.h"
 
 #include <osg/Referenced>
@@ -106,7 +106,10 @@ private:
     bool skyNeeded() const { return _sky.skyEnabled; }
     bool sunNeeded() const { return needsSun(_sky); }
     bool bounceNeeded() const;
-    bool horizonNeeded() const { return skyNeeded() || bounceNeeded(); }
+    bool horizonNeeded() const
+    {
+        return skyNeeded() || (bounceNeeded() && _settings.bounceMethod == BounceMethod::Slices);
+    }
     Raster<osg::Vec4f> readColours(osg::State& state, osg::Texture2D& texture) const;
     void setPosts(osg::Texture2D* posts);
     Status runHeights(osg::State& state);
@@ -137,7 +140,7 @@ private:
     osg::ref_ptr<osg::Texture2D> _shading;
     osg::ref_ptr<GpuPass> _skyPass;
     osg::ref_ptr<GpuPass> _shadePass;
-    osg::ref_ptr<BouncePass> _bounce;
+    osg::ref_ptr<Bounces> _bounce;
     Raster<Rgb> _albedo; ///< empty: the settings'
     osg::ref_ptr<osg::Texture2D> _albedoTexture;
     osg::ref_ptr<osg::Texture2D> _nothing; ///< one texel, stands for the texture of an absent stage

@@ -221,8 +221,8 @@ BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Textur
     }
 }
 
-Status BouncePass::reduce(osg::State& state, const PyramidLayout& layout, GpuPass& first,
-                          osg::Texture2D* finest, int frame, GpuPass& next, osg::Texture2D* pyramid)
+Status reducePyramid(osg::State& state, const PyramidLayout& layout, GpuPass& first,
+                     osg::Texture2D* finest, int frame, GpuPass& next, osg::Texture2D* pyramid)
 {
     Status done = Nothing{};
     for (std::size_t i = 1; done && i < layout.levels.size(); ++i)
@@ -244,8 +244,8 @@ Status BouncePass::reduce(osg::State& state, const PyramidLayout& layout, GpuPas
 
 Status BouncePass::dispatchHeights(osg::State& state)
 {
-    return reduce(state, _posts, *_firstHeights, _heights, HorizonPass::frame, *_nextHeights,
-                  _heightPyramid);
+    return reducePyramid(state, _posts, *_firstHeights, _heights, HorizonPass::frame, *_nextHeights,
+                         _heightPyramid);
 }
 
 Status BouncePass::dispatch(osg::State& state, int bounces, const SkyLight& sky,
@@ -285,8 +285,8 @@ Status BouncePass::dispatch(osg::State& state, int bounces, const SkyLight& sky,
     {
         done = (bounce == 0 ? _directRadiance : _bouncedRadiance)->dispatch(state, groups);
         if (done)
-            done = reduce(state, _cells, *_reduceRadiance, _radiance, 0, *_reduceRadiance,
-                          _radiancePyramid);
+            done = reducePyramid(state, _cells, *_reduceRadiance, _radiance, 0, *_reduceRadiance,
+                                 _radiancePyramid);
         if (done)
             done = (bounce == 0 ? _firstBounce : _nextBounce)->dispatch(state, coarse);
         if (done && _upsample)

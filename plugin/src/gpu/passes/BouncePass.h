@@ -7,6 +7,7 @@
 
 #include "core/Result.h"
 #include "gpu/GpuPass.h"
+#include "gpu/passes/Bounces.h"
 
 #include <osg/Texture2D>
 #include <osg/Texture2DArray>
@@ -44,6 +45,11 @@ struct OSGTERRAINLIGHT_EXPORT PyramidLayout
     static PyramidLayout ofCells(int columns, int rows);
 };
 
+/// Fills the levels above 0. first: from level 0, which begins at texel (frame, frame) of `finest`;
+/// next: from each other.
+Status reducePyramid(osg::State& state, const PyramidLayout& layout, GpuPass& first,
+                     osg::Texture2D* finest, int frame, GpuPass& next, osg::Texture2D* pyramid);
+
 /// One sample of a ray: a height, and the radiance between it and the sample before.
 struct BounceSample
 {
@@ -59,7 +65,7 @@ OSGTERRAINLIGHT_EXPORT std::vector<BounceSample> bounceSamples(const BounceSchem
                                                                int reach, int levelCount);
 
 /// Diffuse bounces of light between the posts of a tile.
-class OSGTERRAINLIGHT_EXPORT BouncePass : public osg::Referenced
+class OSGTERRAINLIGHT_EXPORT BouncePass : public Bounces
 {
 public:
     /// heights: createHeightTexture(tile, HorizonPass::frame). eastSpacings: one texel per row.
@@ -67,32 +73,22 @@ public:
     BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Texture2D* eastSpacings,
                const BounceScheme& scheme, int azimuths, int stride = 1);
 
-    /// Builds the pyramid of heights.
-    Status dispatchHeights(osg::State& state);
-
-    /// Adds `bounces` ≥ 1 bounces to `shading` (RGBA16F, irradiance / π in, and out). horizon: of
-    /// as many azimuths. albedo: a texel per post, or one for all.
+    Status dispatchHeights(osg::State& state) override;
+    /// horizon: of as many azimuths, never null.
     Status dispatch(osg::State& state, int bounces, const SkyLight& sky,
-                    osg::Texture2DArray* horizon, osg::Texture2D* albedo, osg::Texture2D* shading);
-
-    /// RGBA16F: irradiance / π of the last bounce.
-    osg::Texture2D* light() const { return _light; }
+                    osg::Texture2DArray* horizon, osg::Texture2D* albedo,
+                    osg::Texture2D* shading) override;
+    osg::Texture2D* light() const override { return _light; }
+    std::size_t bytes() const override;
+    void releaseGLObjects(osg::State* state) const override;
+    void resizeGLObjectBuffers(unsigned size) override;
 
     /// RG32F: height [m] times weight, weight; above the posts, as layout() has its levels.
     osg::Texture2D* heightPyramid() const { return _heightPyramid; }
     const PyramidLayout& layout() const { return _posts; }
 
-    /// All textures [bytes].
-    std::size_t bytes() const;
-
-    void releaseGLObjects(osg::State* state) const;
-    void resizeGLObjectBuffers(unsigned size);
-
 private:
     ~BouncePass() override = default;
-    /// first: from level 0, which begins at texel (frame, frame); next: from each other.
-    Status reduce(osg::State& state, const PyramidLayout& layout, GpuPass& first,
-                  osg::Texture2D* finest, int frame, GpuPass& next, osg::Texture2D* pyramid);
     std::vector<osg::Texture2D*> textures() const;
     std::vector<GpuPass*> passes() const;
 
