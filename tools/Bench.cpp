@@ -34,6 +34,7 @@ struct Method
     std::string name;
     std::string meaning;
     void (*apply)(LightingSettings&);
+    bool ofBounces = false; ///< it differs from another in bounces alone
 };
 
 /// A new method is a line here.
@@ -43,6 +44,9 @@ const std::vector<Method> methods = {
     {"sweep-normal", "--quality normal",
      [](LightingSettings& s) { s.quality = HorizonQuality::Normal; }},
     {"sweep-best", "--quality best", [](LightingSettings& s) { s.quality = HorizonQuality::Best; }},
+    {"subsampled-2", "--subsampling 2", [](LightingSettings& s) { s.subsampling = 2; }, true},
+    {"legendre", "--bounce-method legendre",
+     [](LightingSettings& s) { s.bounceMethod = BounceMethod::Legendre; }, true},
 };
 
 struct Options
@@ -191,6 +195,8 @@ std::vector<Row> planRows(const Options& options)
     for (const Method* method : options.methods)
         for (const int azimuths : options.azimuths)
         {
+            if (method->ofBounces && options.settings.bounces == 0)
+                continue;
             Row row;
             row.method = method->name;
             row.settings = options.settings;
@@ -408,6 +414,8 @@ Status run(const Options& options)
     if (Status fits = checkFits(*gpu, report.width, report.height); !fits)
         return Error{fits.error().code, report.terrain + ": " + fits.error().message};
     report.rows = planRows(options);
+    if (report.rows.empty())
+        throw CLI::ValidationError("--methods", "what they differ in are bounces: needs --bounces");
     Progress progress(options.quiet);
     progress.reach(0.0);
     const Result<DemTile> tile = readTerrain(options, progress);

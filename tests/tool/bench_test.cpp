@@ -212,6 +212,7 @@ TEST_F(BenchMistakes, AreRefusedBeforeTheWork)
         {"dem.tif --bounces 1 --albedo 0,0,0", 2, {"--albedo", "nothing bounces"}},
         {"dem.tif --albedo 0.5", 2, {"--albedo", "--bounces"}},
         {"dem.tif --paths 1000", 2, {"--paths", "--bounces"}},
+        {"--generate fractal --size 32 --methods legendre", 2, {"--methods", "--bounces"}},
         {"dem.tif --bounces 1 --paths 10", 2, {"paths", "10", "64 ... 67108864"}},
         {"dem.tif --plot p.png", 2, {"--plot", "p.png", ".svg"}},
         {"dem.tif --csv dem.tif", 2, {"--csv", "dem.tif is the file of INPUT"}},
@@ -620,7 +621,10 @@ TEST_F(Bench, SkyAloneBounces)
         EXPECT_EQ(number(record, "sun_max_fraction"), 0.0);
         EXPECT_EQ(number(record, "gpu_sun_ms"), 0.0);
         EXPECT_LT(number(record, "light_relative_rms"), 0.01);
-        EXPECT_LT(number(record, "indirect_relative_rms"), 0.1) << record.at("method");
+        // What subsampling and harmonics of order 4 lose at the valley's bottom is theirs.
+        EXPECT_LT(number(record, "indirect_relative_rms"),
+                  record.at("method").rfind("sweep-", 0) == 0 ? 0.1 : 0.5)
+            << record.at("method");
     }
 }
 
