@@ -15,6 +15,6 @@ const float GREATEST_LIGHT = 65504.0;
 // off would darken everything by 0.03 %.
 vec3 roundedToHalf(vec3 x)
 {
-    uvec3 bits = floatBitsToUint(min(x, vec3(GREATEST_LIGHT)));
+    uvec3 bits = floatBitsToUint(clamp(x, vec3(-GREATEST_LIGHT), vec3(GREATEST_LIGHT)));
     return uintBitsToFloat((bits + 0x1000u) & 0xffffe000u);
 }

@@ -297,6 +297,8 @@ void addBounces(CLI::App& app, RasterOptions& options)
            "--albedo",
            [&options](const std::string& given)
            {
+               if (given.empty())
+                   throw CLI::ValidationError("--albedo", "needs one number, three, or a raster");
                std::vector<double> values;
                for (const std::string& part : CLI::detail::split(given, ','))
                {

@@ -116,7 +116,7 @@ struct RasterOptions
 };
 /// azimuths: false where the mode computes none but the sun's.
 void addRasterOptions(CLI::App& app, RasterOptions& options, bool azimuths = true);
-/// --bounces and --albedo.
+/// --bounces, and what they are made of.
 void addBounces(CLI::App& app, RasterOptions& options);
 /// --max-error and --max-ms, instead of the settings.
 void addBudget(CLI::App& app, RasterOptions& options);

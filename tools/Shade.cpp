@@ -131,6 +131,8 @@ Metadata metadataOf(const Options& options, const LitTile& lit)
 
 Status run(const Options& options)
 {
+    if (options.settings.subsampling > 1 && options.settings.bounceMethod != BounceMethod::Slices)
+        throw CLI::ValidationError("--subsampling", "needs --bounce-method slices");
     const auto write = [&](LitTile& lit, Progress& progress)
     {
         const Raster<osg::Vec4f> shading = lit.lighting->readShading(lit.gpu.state());

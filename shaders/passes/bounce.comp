@@ -45,7 +45,7 @@ uniform vec3 sunIrradiance; // 0 where there is none
 uniform vec3 sunDirection;
 
 // Direct irradiance / pi of the corners of the four cells that meet at a post, south-west, south-east,
-// north-west, north-east: each with that cell's normal there. Cells with a void corner: 0.
+// north-west, north-east: each with that cell's normal there. Beside a void: 0.
 struct CornerLight
 {
     vec3 light[4];
@@ -55,13 +55,16 @@ CornerLight lightOfCorners(ivec2 post, Length here, Length east, float visible)
 {
     vec3 normals[4];
     float sky[4];
+    float whole[4];
     for (int i = 0; i < 4; ++i)
     {
         ivec2 side = ivec2(i % 2, i / 2) * 2 - 1;
         Length besideX = postHeight(heights, post + frame + ivec2(side.x, 0));
         Length besideY = postHeight(heights, post + frame + ivec2(0, side.y));
-        normals[i] = normalize(vec3(float(side.x) * (here - besideX) * northSpacing,
-                                    float(side.y) * (here - besideY) * east, east * northSpacing));
+        whole[i] = isVoid(besideX) || isVoid(besideY) ? 0.0 : 1.0;
+        normals[i] = normalize(vec3(float(side.x) * whole[i] * (here - besideX) * northSpacing,
+                                    float(side.y) * whole[i] * (here - besideY) * east,
+                                    east * northSpacing));
         sky[i] = 0.0;
     }
     float width = 2.0 * PI / float(azimuths);
@@ -74,8 +77,9 @@ CornerLight lightOfCorners(ivec2 post, Length here, Length east, float visible)
     }
     CornerLight corners;
     for (int i = 0; i < 4; ++i)
-        corners.light[i] = skyRadiance * sky[i] +
-                           sunIrradiance * (visible * max(dot(normals[i], sunDirection), 0.0) / PI);
+        corners.light[i] =
+            whole[i] * (skyRadiance * sky[i] +
+                        sunIrradiance * (visible * max(dot(normals[i], sunDirection), 0.0) / PI));
     return corners;
 }
 #endif
@@ -86,6 +90,17 @@ void main()
     ivec2 post = id * stride;
     if (post.x >= size.x || post.y >= size.y)
         return;
+#ifdef COARSE
+    // The first valid post of the block stands for it.
+    ivec2 corner = post;
+    for (int i = stride * stride - 1; i >= 0; --i)
+    {
+        ivec2 candidate = corner + ivec2(i % stride, i / stride);
+        bool valid = candidate.x < size.x && candidate.y < size.y &&
+                     !isVoid(postHeight(heights, candidate + frame));
+        post = valid ? candidate : post;
+    }
+#endif
     Length here = postHeight(heights, post + frame);
     if (isVoid(here))
     {
@@ -158,9 +173,10 @@ void main()
             float whole = floor(offset);
             ivec2 place = post + major * int(distance) + minor * int(whole);
             bool inside = all(greaterThanEqual(place, ivec2(0))) && all(lessThan(place, size));
-            Length height = crossingHeight(
-                postHeight(heights, clamp(place, ivec2(0), size - 1) + frame),
-                postHeight(heights, clamp(place + minor, ivec2(0), size - 1) + frame), offset - whole);
+            // Beside the last post is the frame, which is void.
+            ivec2 framed = clamp(place, ivec2(0), size - 1) + frame;
+            Length height = crossingHeight(postHeight(heights, framed),
+                                           postHeight(heights, framed + minor), offset - whole);
             ivec2 cell = ivec2(floor(vec2(post) + samples[i].z * step));
             vec3 sent = texelFetch(radiance, clamp(cell, ivec2(0), size - 2), 0).rgb;
             slope = (height - here) / (distance * stepLength);

@@ -511,6 +511,12 @@ TEST(Bounce, VoidsNeitherReceiveNorSend)
                     part.setHeight(column, row, tile.heightAt(column, row));
         LightingSettings settings;
         settings.bounces = 2;
+        if (width == 1 || height == 1) // no cell to send light
+        {
+            EXPECT_EQ(shadingOf(state, part, settings, SkyLight()).values(),
+                      shadingOf(state, part, LightingSettings(), SkyLight()).values());
+            continue;
+        }
         for (const auto& bounce : bouncesOf(state, part, settings, SkyLight()))
             for (int row = 0; row < height; ++row)
                 for (int column = 0; column < width; ++column)
@@ -548,6 +554,43 @@ TEST(Bounce, VoidsNeitherReceiveNorSend)
         const float light = across[0].at(column, 32).g();
         EXPECT_NEAR(light, whole[0].at(column, 32).g(), 0.02f * light) << column;
         EXPECT_GT(light, 0.0f);
+    }
+}
+
+// Every fourth column and row is void, which is where blocks of 2 and 4 posts begin: what stands
+// for a block is then another of its posts. Expected: what is gathered at every post, roughly:
+// normals beside voids are those of fewer cells.
+TEST(Bounce, SubsamplingFindsPostsBetweenVoids)
+{
+    OTL_NEED_GL(context);
+    constexpr int side = 64;
+    DemTile tile = analytic::makeTile(
+        side, side, 1.0, [](int column, int) { return 0.02 * (column - 31.5) * (column - 31.5); });
+    for (int row = 0; row < side; ++row)
+        for (int column = 0; column < side; ++column)
+            if (column % 4 == 0 && row % 4 == 0)
+                tile.setVoid(column, row);
+    LightingSettings settings;
+    settings.bounces = 1;
+    const auto every = bouncesOf(context->state(), tile, settings, whiteSky());
+    for (const int subsampling : {2, 4})
+    {
+        settings.subsampling = subsampling;
+        const auto found = bouncesOf(context->state(), tile, settings, whiteSky());
+        double squares = 0.0, of = 0.0;
+        for (int row = 8; row < side - 8; ++row)
+            for (int column = 8; column < side - 8; ++column)
+                if (tile.isValid(column, row))
+                {
+                    const double expected = static_cast<double>(every[0].at(column, row).g());
+                    const double light = static_cast<double>(found[0].at(column, row).g());
+                    EXPECT_GT(light, 0.0) << column << ' ' << row;
+                    squares += (light - expected) * (light - expected);
+                    of += expected * expected;
+                }
+        std::cout << "every post of " << subsampling << ": " << 100.0 * std::sqrt(squares / of)
+                  << " %\n";
+        EXPECT_LT(std::sqrt(squares / of), 0.2);
     }
 }
 

@@ -4,6 +4,7 @@
 #include <gdal_priv.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -32,6 +33,22 @@ Result<Raster<Rgb>> readAlbedo(const std::string& path, const DemInfo& dem)
                          " pixels: needs the size of the DEM, " +
                          size(dem.rasterWidth, dem.rasterHeight)};
     const PixelWindow& window = dem.window;
+    if (dataset->GetRasterCount() < 3 && dataset->GetRasterBand(1)->GetColorTable())
+        return Error{ErrorCode::NotSupported,
+                     path + ": has a palette: needs colours (gdal_translate -expand rgb)"};
+    std::array<double, 6> place = {};
+    if (dem.frame.hasGeoTransform && dataset->GetGeoTransform(place.data()) == CE_None)
+    {
+        const std::array<double, 6>& theirs = dem.frame.geoTransform;
+        const double pixels =
+            std::hypot((place[0] + window.column * place[1] - theirs[0]) / theirs[1],
+                       (place[3] + window.row * place[5] - theirs[3]) / theirs[5]);
+        if (!(pixels < 0.5) || std::abs(place[1] / theirs[1] - 1.0) * dem.rasterWidth > 0.5 ||
+            std::abs(place[5] / theirs[5] - 1.0) * dem.rasterHeight > 0.5)
+            return Error{ErrorCode::Invalid, path +
+                                                 ": lies elsewhere than the DEM: needs its pixels "
+                                                 "(gdalwarp -te ... -ts ...)"};
+    }
     Raster<Rgb> albedo(window.width, window.height, Rgb{});
     const int bands = dataset->GetRasterCount();
     std::vector<float> values(static_cast<std::size_t>(window.width));

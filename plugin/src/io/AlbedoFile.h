@@ -16,8 +16,8 @@ namespace osgTerrainLight
 /// Bytes are sRGB colours, everything else is linear, 0 … 1. Pixels that are nodata, masked or not
 /// finite are 0: black.
 ///
-/// Errors: NotFound or Failed where GDAL cannot read it; Invalid where the size is not the DEM's or
-/// a value is beyond 0 … 1.
+/// Errors: NotFound or Failed where GDAL cannot read it; NotSupported where it has a palette;
+/// Invalid where size or place are not the DEM's or a value is beyond 0 … 1.
 OSGTERRAINLIGHT_EXPORT Result<Raster<Rgb>> readAlbedo(const std::string& path, const DemInfo& dem);
 
 /// Linear value of an sRGB one, both 0 … 1 (IEC 61966-2-1).

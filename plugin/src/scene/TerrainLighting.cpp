@@ -193,6 +193,8 @@ public:
         {
             if (entry.lit.binding)
                 entry.lit.binding->setHasColour(hasColour(*tile));
+            if (entry.lit.tile && _owner._settings.bounces > 0)
+                followAlbedo(*tile, entry);
             if (entry.lit.binding && entry.byTexCoord)
             {
                 // The technique makes new geometry where a neighbour asks for it.
@@ -278,6 +280,10 @@ private:
         std::optional<osg::Object::DataVariance> theirVariance;
         bool byTexCoord = false;
         bool seen = false;
+        /// What the tile's albedo was read from.
+        osg::ref_ptr<const osg::Image> colours;
+        unsigned coloursVersion = 0;
+        LitTile* coloured = nullptr;
     };
     /// A binding that frames still being drawn may use.
     struct Retired
@@ -427,6 +433,23 @@ private:
         _searched = true;
     }
 
+    /// Reads a colour layer that is new or has changed: its colours are what bounces.
+    static void followAlbedo(const osgTerrain::TerrainTile& tile, Entry& entry)
+    {
+        const osg::Image* image = hasColour(tile) ? tile.getColorLayer(0)->getImage() : nullptr;
+        const unsigned version = image ? image->getModifiedCount() : 0;
+        if (entry.coloured == entry.lit.tile && entry.colours == image &&
+            entry.coloursVersion == version)
+            return;
+        const bool had = entry.coloured == entry.lit.tile && entry.colours.valid();
+        entry.coloured = entry.lit.tile;
+        entry.colours = image;
+        entry.coloursVersion = version;
+        TileLighting& lighting = entry.lit.tile->lighting();
+        if (image || had)
+            lighting.setAlbedo(readTerrainAlbedo(tile, lighting.width(), lighting.height()));
+    }
+
     /// True where the tile may have been drawn by threads that are still reading what binding it
     /// changes. It then is DYNAMIC from the next frame on: updates wait for that to be drawn.
     bool waits(Entry& entry, const FoundTile& found, bool known)
@@ -502,7 +525,6 @@ private:
         const bool stock = dynamic_cast<const osgTerrain::GeometryTechnique*>(
                                tile.getTerrainTechnique()) != nullptr;
         entry.lit = light(*dem, nameOf(tile));
-        entry.lit.tile->lighting().setAlbedo(readTerrainAlbedo(tile, dem->width(), dem->height()));
         if (!entry.theirVariance)
             entry.ownStateSet = !tile.getStateSet();
         bind(entry.lit, tile.getOrCreateStateSet(), *coordinates,

@@ -228,6 +228,13 @@ Raster<Rgb> readTerrainAlbedo(const osgTerrain::TerrainTile& tile, int width, in
     if (!hasColour(tile))
         return {};
     const osg::Image& image = *tile.getColorLayer(0)->getImage();
+    // osg::Image reads all others as white.
+    const GLenum readable[] = {
+        GL_RGB, GL_RGBA, GL_BGR, GL_BGRA, GL_LUMINANCE, GL_LUMINANCE_ALPHA, GL_INTENSITY};
+    if (!image.data() || image.s() < 1 || image.t() < 1 ||
+        std::find(std::begin(readable), std::end(readable), image.getPixelFormat()) ==
+            std::end(readable))
+        return {};
     const bool encoded = image.getDataType() == GL_UNSIGNED_BYTE;
     Raster<Rgb> albedo(width, height);
     for (int row = 0; row < height; ++row)

@@ -42,7 +42,7 @@ OSGTERRAINLIGHT_EXPORT Result<DemTile> readTerrainTile(osgTerrain::TerrainTile& 
                                                        const osg::Matrixd& toScene);
 
 /// The tile's first colour layer as an albedo per post: a picture over the tile's whole extent, its
-/// bytes sRGB. Empty where it has none, or one that is no picture.
+/// bytes sRGB. Empty where it has none, one that is no picture, or one compressed for the GPU.
 OSGTERRAINLIGHT_EXPORT Raster<Rgb> readTerrainAlbedo(const osgTerrain::TerrainTile& tile, int width,
                                                      int height);
 

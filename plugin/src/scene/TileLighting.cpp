@@ -23,6 +23,11 @@ using Lock = OpenThreads::ScopedLock<OpenThreads::Mutex>;
 
 constexpr double radiansPerDegree = 3.14159265358979323846 / 180.0;
 
+bool isBlack(const Rgb& albedo)
+{
+    return std::all_of(albedo.begin(), albedo.end(), [](float a) { return a <= 0.0f; });
+}
+
 osg::Vec3f vec3(const Rgb& c)
 {
     return {c[0], c[1], c[2]};
@@ -115,7 +120,10 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                      {horizon, pyramid, shade},
                      [this] { return bounceNeeded(); },
                      [this](osg::State& state) { return runBounce(state); },
-                     [this] { return _bounce ? _bounce->bytes() : 0; },
+                     [this] {
+                         return (_bounce ? _bounce->bytes() : 0) +
+                                (_albedoTexture ? textureBytes(*_albedoTexture) : 0);
+                     },
                      [this]
                      {
                          _bounce = nullptr;
@@ -155,12 +163,9 @@ void TileLighting::setSettings(const LightingSettings& settings)
 
 bool TileLighting::bounceNeeded() const
 {
-    const auto black = [](const Rgb& albedo)
-    { return std::all_of(albedo.begin(), albedo.end(), [](float a) { return a <= 0.0f; }); };
-    return _settings.bounces > 0 && (skyNeeded() || sunNeeded()) &&
-           !(_albedo.size() == 0
-                 ? black(_settings.albedo)
-                 : std::all_of(_albedo.values().begin(), _albedo.values().end(), black));
+    // Less than two posts a side have no cell between them to send light.
+    return _settings.bounces > 0 && (skyNeeded() || sunNeeded()) && width() > 1 && height() > 1 &&
+           !(_albedo.empty() ? isBlack(_settings.albedo) : _albedoIsBlack);
 }
 
 void TileLighting::setAlbedo(Raster<Rgb> albedo)
@@ -168,6 +173,7 @@ void TileLighting::setAlbedo(Raster<Rgb> albedo)
     Lock lock(_mutex);
     assert(albedo.size() == 0 || (albedo.width() == width() && albedo.height() == height()));
     _albedo = std::move(albedo);
+    _albedoIsBlack = std::all_of(_albedo.values().begin(), _albedo.values().end(), isBlack);
     _albedoTexture = nullptr;
     _chain.touch(_bounceValue);
 }
@@ -347,8 +353,12 @@ Status TileLighting::runBounce(osg::State& state)
     if (!_albedoTexture)
         _albedoTexture =
             createColourTexture(_albedo.size() ? _albedo : Raster<Rgb>(1, 1, _settings.albedo));
-    return _bounce->dispatch(state, _settings.bounces, _sky,
-                             _horizon ? _horizon->horizon() : nullptr, _albedoTexture, _shading);
+    Status done =
+        _bounce->dispatch(state, _settings.bounces, _sky, _horizon ? _horizon->horizon() : nullptr,
+                          _albedoTexture, _shading);
+    if (!done) // some of it may have been added: shade anew before the next try
+        _chain.touch(_bounceValue);
+    return done;
 }
 
 Raster<osg::Vec4f> TileLighting::readColours(osg::State& state, osg::Texture2D& texture) const

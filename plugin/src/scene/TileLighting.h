@@ -142,6 +142,7 @@ private:
     osg::ref_ptr<GpuPass> _shadePass;
     osg::ref_ptr<Bounces> _bounce;
     Raster<Rgb> _albedo; ///< empty: the settings'
+    bool _albedoIsBlack = false;
     osg::ref_ptr<osg::Texture2D> _albedoTexture;
     osg::ref_ptr<osg::Texture2D> _nothing; ///< one texel, stands for the texture of an absent stage
     osg::ref_ptr<osg::Texture2DArray> _nothingLayered;
