@@ -94,7 +94,7 @@ TEST_P(RealTerrain, HorizonsWithinTheBounds)
     OTL_NEED_GL(context);
     const std::optional<DemTile> tile = realDem(GetParam());
     if (!tile)
-        GTEST_SKIP() << "../shared/data/dem is absent, and with it " << GetParam();
+        GTEST_SKIP() << "skipped: ../shared/data/dem is absent, and with it " << GetParam();
     expectNormal(measure(context->state(), *tile, HorizonQuality::Normal, GetParam()));
     const HorizonError best = measure(context->state(), *tile, HorizonQuality::Best, GetParam());
     if (std::string(GetParam()) == "halfdome_1s.tif")

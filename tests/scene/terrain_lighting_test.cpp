@@ -1,5 +1,6 @@
 #include <osgTerrainLight/TerrainLighting.h>
 
+#include "gpu/Textures.h"
 #include "scene/TerrainModel.h"
 #include "scene/TerrainTileReader.h"
 #include "support/AnalyticTerrain.h"
@@ -91,6 +92,55 @@ TEST(TerrainLighting, TheSlopeThatFacesTheSunIsBrightest)
             << "sun at " << side.azimuth;
     }
     EXPECT_EQ(said.text(), "");
+    EXPECT_EQ(takeGlErrors(), "");
+}
+
+// Under a white sky green light in a valley is the sky's and what green the ground sends back: none
+// from a red picture, some from a white one, and again after the picture has changed.
+TEST(TerrainLighting, BouncesTakeTheColourLayerAndFollowIt)
+{
+    OTL_NEED_GL(context);
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    lighting->setSkyLight(whiteSky(0.25f));
+    osg::ref_ptr<osg::Node> valley = createTerrain(
+        analytic::makeTile(33, 33, 20.0,
+                           [](int column, int) { return 15.0 * std::abs(column - 16); }),
+        {{1, 1, {255, 0, 0, 255}}});
+    auto* tile = dynamic_cast<osgTerrain::TerrainTile*>(valley->asGroup()->getChild(0));
+    ASSERT_TRUE(tile);
+    lighting->addChild(valley);
+    ScenePicture picture(lighting, reach);
+    const auto bottom = [&]
+    {
+        picture.draw(2);
+        auto* shading = dynamic_cast<osg::Texture2D*>(tile->getStateSet()->getTextureAttribute(
+            lighting->getTextureUnit(), osg::StateAttribute::TEXTURE));
+        const std::vector<float> values = readFloats(picture.state(), *shading, 4);
+        const std::size_t post = 4 * (16 * 33 + 16);
+        return osg::Vec2f(values[post], values[post + 1]);
+    };
+    const osg::Vec2f direct = bottom();
+    EXPECT_EQ(direct.x(), direct.y());
+    LightingSettings settings = lighting->getSettings();
+    settings.bounces = 2;
+    lighting->setSettings(settings);
+    const osg::Vec2f red = bottom();
+    EXPECT_GT(red.x(), 1.05f * direct.x());
+    EXPECT_EQ(red.y(), direct.y());
+    osg::Image* image = tile->getColorLayer(0)->getImage();
+    image->setColor(osg::Vec4(1.0f, 1.0f, 1.0f, 1.0f), 0u, 0u);
+    image->dirty();
+    const osg::Vec2f white = bottom();
+    EXPECT_EQ(white.x(), white.y());
+    EXPECT_EQ(white.x(), red.x());
+    tile->setColorLayer(0, nullptr); // the settings' albedo, which is less
+    const osg::Vec2f grey = bottom();
+    EXPECT_LT(grey.y(), white.y());
+    EXPECT_GT(grey.y(), direct.y());
+    tile->getElevationLayer()->dirty(); // read again
+    settings.bounces = 0;
+    lighting->setSettings(settings);
+    EXPECT_EQ(bottom(), direct);
     EXPECT_EQ(takeGlErrors(), "");
 }
 

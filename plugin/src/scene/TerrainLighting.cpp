@@ -194,7 +194,7 @@ public:
             if (entry.lit.binding)
                 entry.lit.binding->setHasColour(hasColour(*tile));
             if (entry.lit.tile && _owner._settings.bounces > 0)
-                followAlbedo(*tile, entry);
+                followAlbedo(*tile, entry.lit);
             if (entry.lit.binding && entry.byTexCoord)
             {
                 // The technique makes new geometry where a neighbour asks for it.
@@ -268,6 +268,8 @@ private:
         osg::ref_ptr<DynamicTerrain> terrain; ///< of which heights are followed
         osg::ref_ptr<osg::Texture2D> heights; ///< those that are; null: still the first ones
         unsigned heightRevision = 0;
+        osg::ref_ptr<const osg::Image> colours; ///< that its albedo was read from
+        unsigned coloursVersion = 0;
     };
     struct Entry
     {
@@ -280,10 +282,6 @@ private:
         std::optional<osg::Object::DataVariance> theirVariance;
         bool byTexCoord = false;
         bool seen = false;
-        /// What the tile's albedo was read from.
-        osg::ref_ptr<const osg::Image> colours;
-        unsigned coloursVersion = 0;
-        LitTile* coloured = nullptr;
     };
     /// A binding that frames still being drawn may use.
     struct Retired
@@ -434,20 +432,17 @@ private:
     }
 
     /// Reads a colour layer that is new or has changed: its colours are what bounces.
-    static void followAlbedo(const osgTerrain::TerrainTile& tile, Entry& entry)
+    void followAlbedo(const osgTerrain::TerrainTile& tile, Lit& lit)
     {
         const osg::Image* image = hasColour(tile) ? tile.getColorLayer(0)->getImage() : nullptr;
         const unsigned version = image ? image->getModifiedCount() : 0;
-        if (entry.coloured == entry.lit.tile && entry.colours == image &&
-            entry.coloursVersion == version)
+        if (lit.colours == image && lit.coloursVersion == version)
             return;
-        const bool had = entry.coloured == entry.lit.tile && entry.colours.valid();
-        entry.coloured = entry.lit.tile;
-        entry.colours = image;
-        entry.coloursVersion = version;
-        TileLighting& lighting = entry.lit.tile->lighting();
-        if (image || had)
-            lighting.setAlbedo(readTerrainAlbedo(tile, lighting.width(), lighting.height()));
+        lit.colours = image;
+        lit.coloursVersion = version;
+        TileLighting& lighting = lit.tile->lighting();
+        lighting.setAlbedo(readTerrainAlbedo(tile, lighting.width(), lighting.height()));
+        set->touch();
     }
 
     /// True where the tile may have been drawn by threads that are still reading what binding it

@@ -314,28 +314,4 @@ std::vector<GpuPass*> BouncePass::passes() const
     return all;
 }
 
-std::size_t BouncePass::bytes() const
-{
-    std::size_t sum = 0;
-    for (const osg::Texture2D* texture : textures())
-        sum += textureBytes(*texture);
-    return sum;
-}
-
-void BouncePass::releaseGLObjects(osg::State* state) const
-{
-    for (const GpuPass* pass : passes())
-        pass->releaseGLObjects(state);
-    for (const osg::Texture2D* texture : textures())
-        texture->releaseGLObjects(state);
-}
-
-void BouncePass::resizeGLObjectBuffers(unsigned size)
-{
-    for (GpuPass* pass : passes())
-        pass->resizeGLObjectBuffers(size);
-    for (osg::Texture2D* texture : textures())
-        texture->resizeGLObjectBuffers(size);
-}
-
 } // namespace osgTerrainLight

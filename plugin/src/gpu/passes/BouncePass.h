@@ -79,9 +79,6 @@ public:
                     osg::Texture2DArray* horizon, osg::Texture2D* albedo,
                     osg::Texture2D* shading) override;
     osg::Texture2D* light() const override { return _light; }
-    std::size_t bytes() const override;
-    void releaseGLObjects(osg::State* state) const override;
-    void resizeGLObjectBuffers(unsigned size) override;
 
     /// RG32F: height [m] times weight, weight; above the posts, as layout() has its levels.
     osg::Texture2D* heightPyramid() const { return _heightPyramid; }
@@ -89,8 +86,8 @@ public:
 
 private:
     ~BouncePass() override = default;
-    std::vector<osg::Texture2D*> textures() const;
-    std::vector<GpuPass*> passes() const;
+    std::vector<osg::Texture2D*> textures() const override;
+    std::vector<GpuPass*> passes() const override;
 
     int _width, _height, _stride;
     PyramidLayout _posts, _cells;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/SkyLight.h>
 
 #include "core/Result.h"
@@ -10,12 +11,15 @@
 #include <osg/Texture2DArray>
 
 #include <cstddef>
+#include <vector>
 
 namespace osgTerrainLight
 {
 
+class GpuPass;
+
 /// A way to compute diffuse bounces of light between the posts of a tile.
-class Bounces : public osg::Referenced
+class OSGTERRAINLIGHT_EXPORT Bounces : public osg::Referenced
 {
 public:
     /// Builds the pyramid of heights.
@@ -32,13 +36,15 @@ public:
     virtual osg::Texture2D* light() const = 0;
 
     /// All textures [bytes].
-    virtual std::size_t bytes() const = 0;
+    std::size_t bytes() const;
 
-    virtual void releaseGLObjects(osg::State* state) const = 0;
-    virtual void resizeGLObjectBuffers(unsigned size) = 0;
+    void releaseGLObjects(osg::State* state) const;
+    void resizeGLObjectBuffers(unsigned size);
 
 protected:
     ~Bounces() override = default;
+    virtual std::vector<osg::Texture2D*> textures() const = 0;
+    virtual std::vector<GpuPass*> passes() const = 0;
 };
 
 } // namespace osgTerrainLight

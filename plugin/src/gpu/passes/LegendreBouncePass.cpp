@@ -99,28 +99,4 @@ std::vector<GpuPass*> LegendreBouncePass::passes() const
     return {_postRadiance, _bounce, _firstHeights, _nextHeights, _reduceRadiance};
 }
 
-std::size_t LegendreBouncePass::bytes() const
-{
-    std::size_t sum = 0;
-    for (const osg::Texture2D* texture : textures())
-        sum += textureBytes(*texture);
-    return sum;
-}
-
-void LegendreBouncePass::releaseGLObjects(osg::State* state) const
-{
-    for (const GpuPass* pass : passes())
-        pass->releaseGLObjects(state);
-    for (const osg::Texture2D* texture : textures())
-        texture->releaseGLObjects(state);
-}
-
-void LegendreBouncePass::resizeGLObjectBuffers(unsigned size)
-{
-    for (GpuPass* pass : passes())
-        pass->resizeGLObjectBuffers(size);
-    for (osg::Texture2D* texture : textures())
-        texture->resizeGLObjectBuffers(size);
-}
-
 } // namespace osgTerrainLight

@@ -34,14 +34,11 @@ public:
                     osg::Texture2DArray* horizon, osg::Texture2D* albedo,
                     osg::Texture2D* shading) override;
     osg::Texture2D* light() const override { return _light; }
-    std::size_t bytes() const override;
-    void releaseGLObjects(osg::State* state) const override;
-    void resizeGLObjectBuffers(unsigned size) override;
 
 private:
     ~LegendreBouncePass() override = default;
-    std::vector<osg::Texture2D*> textures() const;
-    std::vector<GpuPass*> passes() const;
+    std::vector<osg::Texture2D*> textures() const override;
+    std::vector<GpuPass*> passes() const override;
 
     int _width, _height;
     PyramidLayout _posts;
