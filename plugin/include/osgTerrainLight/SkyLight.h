@@ -3,6 +3,7 @@
 #include <osgTerrainLight/Export.h>
 
 #include <array>
+#include <vector>
 
 namespace osgTerrainLight
 {
@@ -10,13 +11,36 @@ namespace osgTerrainLight
 /// Linear red, green, blue.
 using Rgb = std::array<float, 3>;
 
-/// The light above the terrain: a sky and a sun. Scene-linear, in units of the user's choice; the
-/// defaults make a sunlit white surface about 1.
+/// An area light at infinity of restricted azimuth and elevation, of one radiance (Nowrouzezahrai
+/// and Snyder 2009, sections 6 and 7). What of it is below the horizontal gives no light.
+struct OSGTERRAINLIGHT_EXPORT KeyLight
+{
+    /// Of its middle, degrees clockwise from north, any finite value.
+    double azimuth = 0.0;
+    /// Degrees of azimuth, 0.1 … 360.
+    double width = 30.0;
+    /// Degrees above the horizontal, −90 … 90, lowest < highest.
+    double lowest = 20.0, highest = 50.0;
+    /// [W m⁻² sr⁻¹ or relative], each ≥ 0.
+    Rgb radiance = {1.0f, 1.0f, 1.0f};
+};
+
+/// The light above the terrain: a sky, a sun and key lights. Scene-linear, in units of the user's
+/// choice; the defaults make a sunlit white surface about 1.
 struct OSGTERRAINLIGHT_EXPORT SkyLight
 {
     bool skyEnabled = true;
     /// Radiance of the uniform sky [W m⁻² sr⁻¹ or relative], each ≥ 0.
     Rgb skyRadiance = {0.21f, 0.26f, 0.35f};
+
+    /// Where not empty: radiance of the sky instead of skyRadiance, in 1, 4, 9 or 16 coefficients
+    /// of real spherical harmonics, (l, m) at l (l + 1) + m, x east, y north, z up; Y(1, −1 … 1)
+    /// are 0.4886 times y, z, x (docs/CONVENTIONS.md). Any finite values; radiance below 0 counts
+    /// as it is. The sky ends at the horizontal.
+    std::vector<Rgb> skyHarmonics;
+
+    /// At most 8.
+    std::vector<KeyLight> keyLights;
 
     bool sunEnabled = true;
     /// Degrees clockwise from north, any finite value (taken modulo 360).
