@@ -16,8 +16,11 @@ layout(rgba16f, binding = 1) writeonly uniform image2D light; // irradiance / pi
 uniform ivec2 size; // posts
 uniform int frame;
 uniform int azimuths;
-uniform float northSpacing;   // [m]
-uniform vec4 directions[256]; // a step: posts to the east, to the north; the unit vector on the ground
+uniform float northSpacing; // [m]
+layout(std140, binding = 0) uniform Rays
+{
+    vec4 directions[256]; // a step: posts to the east, to the north; the unit vector on the ground
+};
 uniform float samplesPerOctave;
 uniform float offset; // [octaves] that a level is finer than the distance
 uniform int sampleCount;

@@ -10,7 +10,10 @@ layout(r16, binding = 0) writeonly uniform image2DArray horizon; // elevation co
 
 uniform ivec2 size; // posts
 uniform int frame;
-uniform vec4 directions[256]; // a step: posts to the east, to the north; the unit vector on the ground
+layout(std140, binding = 0) uniform Rays
+{
+    vec4 directions[256]; // a step: posts to the east, to the north; the unit vector on the ground
+};
 uniform float samplesPerOctave;
 uniform float offset; // [octaves] that a level is finer than the distance
 uniform int sampleCount;

@@ -21,19 +21,17 @@ osg::ref_ptr<osg::Texture2D> setPyramidRays(GpuPass& pass, const DemTile& tile,
     assert(posts.levels.size() <= maxLevels);
     const AzimuthSet set(azimuths);
     Raster<float> lengths(azimuths, tile.height());
-    osg::ref_ptr<osg::Uniform> directions =
-        new osg::Uniform(osg::Uniform::FLOAT_VEC4, "directions", 256);
+    std::vector<osg::Vec4f> directions(256);
     for (int k = 0; k < azimuths; ++k)
     {
         const MapDirection direction = set.direction(k);
         const GridDirection grid(tile, direction);
         const double along = grid.look;
         const double across = grid.look * grid.drift;
-        directions->setElement(static_cast<unsigned>(k),
-                               osg::Vec4f(static_cast<float>(grid.north ? across : along),
-                                          static_cast<float>(grid.north ? along : across),
-                                          static_cast<float>(direction.east),
-                                          static_cast<float>(direction.north)));
+        directions[static_cast<std::size_t>(k)].set(static_cast<float>(grid.north ? across : along),
+                                                    static_cast<float>(grid.north ? along : across),
+                                                    static_cast<float>(direction.east),
+                                                    static_cast<float>(direction.north));
         for (int row = 0; row < tile.height(); ++row)
             lengths.at(k, row) =
                 static_cast<float>(grid.stepLength(tile.eastSpacing(row), tile.northSpacing));
@@ -52,7 +50,7 @@ osg::ref_ptr<osg::Texture2D> setPyramidRays(GpuPass& pass, const DemTile& tile,
     pass.reads("heightPyramid", heightPyramid);
     pass.set("size", tile.width(), tile.height());
     pass.set("frame", int(HorizonPass::frame));
-    pass.set(directions);
+    pass.setBlock(directions);
     pass.set(levels);
     pass.set("levelCount", static_cast<int>(posts.levels.size()));
     pass.set("samplesPerOctave", static_cast<float>(scheme.samplesPerOctave));
