@@ -358,3 +358,277 @@ TEST(KeyLights, Ramps)
         }
     }
 }
+
+namespace
+{
+struct Scene
+{
+    std::string name;
+    std::function<DemTile()> tile;
+    bool shared;
+    SkyLight sky;
+    /// Allowed relative root mean square of direct light and of the sum of two bounces.
+    double direct, bounced;
+};
+
+std::ostream& operator<<(std::ostream& out, const Scene& scene)
+{
+    return out << scene.name;
+}
+
+DemTile fractal()
+{
+    return *generateTerrain(TerrainKind::Fractal, 96, 96, 30.0, 1);
+}
+
+/// As if on a plane: the path tracer needs rows of one width.
+DemTile halfDome()
+{
+    DemReadOptions options;
+    options.window = PixelWindow{100, 100, 96, 96};
+    Result<DemFile> dem = readDem(sharedData("dem/halfdome_1s.tif"), options);
+    EXPECT_TRUE(dem.ok());
+    dem->tile.eastSpacings = {dem->tile.nominalEastSpacing()};
+    return dem->tile;
+}
+} // namespace
+
+class AreaLightAccuracy : public testing::TestWithParam<Scene>
+{
+};
+
+// Expected: the path tracer, whose own noise is subtracted in the mean square. Bounds: what is
+// measured with the default settings and a fifth more.
+TEST_P(AreaLightAccuracy, AgainstThePathTracer)
+{
+    OTL_NEED_GL(context);
+    const Scene& scene = GetParam();
+    if (scene.shared)
+        OTL_SKIP_WITHOUT_SHARED_DATA();
+    const DemTile tile = scene.tile();
+    reference::SceneDescription description;
+    description.tile = tile;
+    description.albedo = {0.5f, 0.5f, 0.5f};
+    const auto tracer = reference::PathTracer::build(description);
+    ASSERT_TRUE(tracer.ok());
+    reference::Illumination illumination;
+    illumination.light = scene.sky;
+    illumination.light.skyEnabled = true;
+    illumination.environment = [&](const reference::Vector3& d)
+    {
+        return scene.sky.skyEnabled ? radianceOf(scene.sky.skyHarmonics, d)
+                                    : radianceOf(scene.sky.keyLights, d);
+    };
+    illumination.importance = reference::importanceOf(illumination.environment, 720, 360);
+    std::mt19937 random(11);
+    std::vector<reference::Receiver> receivers(200);
+    for (reference::Receiver& receiver : receivers)
+    {
+        receiver.column = static_cast<int>(random() % static_cast<unsigned>(tile.width()));
+        receiver.row = static_cast<int>(random() % static_cast<unsigned>(tile.height()));
+    }
+    reference::PathTracerOptions options;
+    options.samples = 1 << 14;
+    options.bounces = 2;
+    const auto truth = tracer->trace(illumination, receivers, options);
+    ASSERT_TRUE(truth.ok()) << truth.error().message;
+
+    for (const int azimuths : {32, 64, 128})
+    {
+        LightingSettings settings;
+        settings.azimuths = azimuths;
+        std::vector<Raster<osg::Vec4f>> light = {
+            shadingOf(context->state(), tile, scene.sky, settings)};
+        for (settings.bounces = 1; settings.bounces <= 2; ++settings.bounces)
+        {
+            const auto lighting = lit(context->state(), tile, settings, scene.sky);
+            light.push_back(lighting->readLastBounce(context->state()));
+            lighting->releaseGLObjects(&context->state());
+        }
+        std::vector<double> sums(receivers.size()), expected(receivers.size()),
+            variances(receivers.size());
+        for (std::size_t order = 0; order < 3; ++order)
+        {
+            if (order == 1) // direct light by itself, then the sum of bounces
+                sums = expected = variances = std::vector<double>(receivers.size());
+            double squares = 0.0, of = 0.0, noise = 0.0, bias = 0.0, mean = 0.0;
+            for (std::size_t i = 0; i < receivers.size(); ++i)
+            {
+                const reference::Estimate& estimate =
+                    order == 0 ? (*truth)[i].sky : (*truth)[i].bounces[order - 1];
+                sums[i] +=
+                    static_cast<double>(light[order].at(receivers[i].column, receivers[i].row).g());
+                expected[i] += estimate.mean[1];
+                variances[i] += estimate.standardError[1] * estimate.standardError[1];
+                squares += (sums[i] - expected[i]) * (sums[i] - expected[i]);
+                of += expected[i] * expected[i];
+                noise += variances[i];
+                bias += sums[i] - expected[i];
+                mean += expected[i];
+            }
+            const double error = std::sqrt(std::max(0.0, squares - noise) / of);
+            std::cout << scene.name << ", " << azimuths << " azimuths, "
+                      << (order == 0   ? "direct"
+                          : order == 1 ? "1 bounce"
+                                       : "2 bounces")
+                      << ": relative RMS " << 100.0 * error << " % (noise "
+                      << 100.0 * std::sqrt(noise / of) << " %), bias " << 100.0 * bias / mean
+                      << " %\n";
+            EXPECT_LE(error, order == 0 ? scene.direct : scene.bounced);
+            EXPECT_LE(std::sqrt(noise / of), order == 0 ? scene.direct : scene.bounced);
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, AreaLightAccuracy,
+    testing::Values(Scene{"FractalKeyLights", fractal, false, keyOnly(studio), 0.1, 0.1},
+                    Scene{"FractalOneKeyLight", fractal, false, keyOnly({studio[0]}), 0.1, 0.1},
+                    Scene{"FractalHarmonics", fractal, false, skyOf(evening), 0.1, 0.1},
+                    Scene{"HalfDomeKeyLights", halfDome, true, keyOnly(studio), 0.1, 0.1},
+                    Scene{"HalfDomeHarmonics", halfDome, true, skyOf(evening), 0.1, 0.1}),
+    [](const auto& each) { return each.param.name; });
+
+// Sky, sun and key lights together are the sum of each alone, alpha is the sun's, and what had
+// lights that are gone is what never had them, to the bit.
+TEST(AreaLights, AddUpAndLeaveNothingBehind)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    DemTile tile = *generateTerrain(TerrainKind::Fractal, 53, 48, 30.0, 5);
+    for (int column = 10; column < 20; ++column)
+        tile.setVoid(column, 12);
+    SkyLight plain;
+    SkyLight all = plain;
+    all.skyHarmonics = evening;
+    all.keyLights = studio;
+    SkyLight sunAlone = plain;
+    sunAlone.skyEnabled = false;
+    for (const int bounces : {0, 2})
+    {
+        LightingSettings settings;
+        settings.bounces = bounces;
+        const auto together = shadingOf(state, tile, all, settings);
+        const auto sun = shadingOf(state, tile, sunAlone, settings);
+        const auto sky = shadingOf(state, tile, skyOf(evening), settings);
+        const auto key = shadingOf(state, tile, keyOnly(studio), settings);
+        for (int row = 0; row < tile.height(); ++row)
+            for (int column = 0; column < tile.width(); ++column)
+            {
+                const osg::Vec4f& light = together.at(column, row);
+                ASSERT_EQ(light[3], sun.at(column, row)[3]);
+                for (unsigned c = 0; c < 3; ++c)
+                {
+                    const float sum =
+                        sun.at(column, row)[c] + sky.at(column, row)[c] + key.at(column, row)[c];
+                    ASSERT_TRUE(std::isfinite(light[c]) && light[c] >= 0.0f);
+                    // Each is rounded to half floats, and again after each bounce.
+                    ASSERT_NEAR(light[c], sum,
+                                2.0f * float(1 + 2 * bounces) * float(halfError) * sum + 1e-6f);
+                }
+                if (!tile.isValid(column, row))
+                {
+                    ASSERT_EQ(light, osg::Vec4f());
+                }
+            }
+
+        const auto before = shadingOf(state, tile, plain, settings);
+        const osg::ref_ptr<TileLighting> lighting = lit(state, tile, settings, all);
+        EXPECT_EQ(lighting->readShading(state).values(), together.values());
+        lighting->setSky(plain);
+        ASSERT_TRUE(lighting->update(state).ok());
+        EXPECT_EQ(lighting->readShading(state).values(), before.values());
+        lighting->setSky(all);
+        ASSERT_TRUE(lighting->update(state).ok());
+        EXPECT_EQ(lighting->readShading(state).values(), together.values());
+        lighting->releaseGLObjects(&state);
+    }
+}
+
+// Nothing to light: no stage, no texture. A change of colour or elevation needs no horizon.
+TEST(AreaLights, CostNothingWhereThereAreNone)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    const DemTile tile = *generateTerrain(TerrainKind::Fractal, 33, 33, 30.0, 1);
+    SkyLight plain;
+    SkyLight nothing = plain; // no key light that lights, and harmonics of a sky that is off
+    nothing.skyEnabled = false;
+    nothing.skyHarmonics = evening;
+    nothing.keyLights = {keyLight(0.0, 30.0, -50.0, 0.0, {1.0f, 1.0f, 1.0f}),
+                         keyLight(0.0, 30.0, 10.0, 50.0, {0.0f, 0.0f, 0.0f})};
+    for (const SkyLight& sky : {plain, nothing})
+    {
+        const osg::ref_ptr<TileLighting> lighting = lit(state, tile, {}, sky);
+        for (const char* name : {"table", "key"})
+        {
+            EXPECT_EQ(stage(lighting->costs(), name).dispatches, 0u);
+            EXPECT_EQ(stage(lighting->costs(), name).bytes, 0u);
+        }
+        lighting->releaseGLObjects(&state);
+    }
+    SkyLight keyed = plain;
+    keyed.skyHarmonics = evening;
+    keyed.keyLights = studio;
+    const osg::ref_ptr<TileLighting> lighting = lit(state, tile, {}, keyed);
+    keyed.keyLights[0].radiance = {1.0f, 2.0f, 3.0f};
+    keyed.keyLights[1].highest = 60.0;
+    lighting->setSky(keyed);
+    ASSERT_TRUE(lighting->update(state).ok());
+    EXPECT_EQ(stage(lighting->costs(), "key").dispatches, 1u);
+    EXPECT_EQ(stage(lighting->costs(), "table").dispatches, 1u);
+    EXPECT_EQ(stage(lighting->costs(), "sky").dispatches, 1u);
+    EXPECT_EQ(stage(lighting->costs(), "shade").dispatches, 2u);
+    EXPECT_EQ(lighting->readShading(state).values(), shadingOf(state, tile, keyed).values());
+    keyed.keyLights[0].azimuth += 1.0;
+    keyed.skyHarmonics[3][1] += 0.5f;
+    lighting->setSky(keyed);
+    ASSERT_TRUE(lighting->update(state).ok());
+    EXPECT_EQ(stage(lighting->costs(), "key").dispatches, 2u);
+    EXPECT_EQ(stage(lighting->costs(), "table").dispatches, 2u);
+    EXPECT_EQ(stage(lighting->costs(), "sky").dispatches, 2u);
+    EXPECT_EQ(lighting->readShading(state).values(), shadingOf(state, tile, keyed).values());
+    lighting->setSky(plain);
+    ASSERT_TRUE(lighting->update(state).ok());
+    for (const char* name : {"table", "key"})
+        EXPECT_EQ(stage(lighting->costs(), name).bytes, 0u);
+    EXPECT_EQ(lighting->readShading(state).values(), shadingOf(state, tile, plain).values());
+    lighting->releaseGLObjects(&state);
+}
+
+// A full circle of one radiance from the horizontal to the zenith is the uniform sky, by other
+// horizons: of midpoints. On the bottom of a pit all of them are 45°. Radiance below 0 counts as it
+// is: the negative of a sky is the negative of its light.
+TEST(AreaLights, LimitsThatAreKnown)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    const DemTile pit = analytic::pit(81, 81, 1.0, 40, 40, 30.0);
+    SkyLight uniform = keyOnly({});
+    uniform.skyEnabled = true;
+    uniform.skyRadiance = {1.0f, 1.0f, 1.0f};
+    const SkyLight circle = keyOnly({keyLight(33.0, 360.0, -90.0, 90.0, {1.0f, 1.0f, 1.0f})});
+    const float sky = shadingOf(state, pit, uniform).at(40, 40)[0];
+    const float key = shadingOf(state, pit, circle).at(40, 40)[0];
+    EXPECT_NEAR(key, sky, 0.002f);
+    // And only what is above the wall's edge counts.
+    const SkyLight low = keyOnly({keyLight(0.0, 360.0, 0.0, 44.0, {1.0f, 1.0f, 1.0f})});
+    EXPECT_EQ(shadingOf(state, pit, low).at(40, 40)[0], 0.0f);
+    const SkyLight high = keyOnly({keyLight(0.0, 360.0, 46.0, 90.0, {1.0f, 1.0f, 1.0f})});
+    const double sine = std::sin(46.0 * radiansPerDegree);
+    EXPECT_NEAR(static_cast<double>(shadingOf(state, pit, high).at(40, 40)[0]), 1.0 - sine * sine,
+                halfError);
+
+    std::vector<Rgb> negative = evening;
+    for (Rgb& coefficient : negative)
+        for (float& channel : coefficient)
+            channel = -channel;
+    const DemTile tile = *generateTerrain(TerrainKind::Cliffs, 40, 41, 30.0, 3);
+    LightingSettings settings;
+    settings.bounces = 1;
+    const auto light = shadingOf(state, tile, skyOf(evening), settings);
+    const auto opposite = shadingOf(state, tile, skyOf(negative), settings);
+    for (std::size_t i = 0; i < light.size(); ++i)
+        for (unsigned c = 0; c < 3; ++c)
+            ASSERT_EQ(light.values()[i][c], -opposite.values()[i][c]);
+}
