@@ -62,6 +62,19 @@ real visibleDiscFractionAcross(Angle left, Angle centre, Angle right, Angle r)
     return clamp(visibleDiscFraction(centre, r) + change / real(4.0), real(0.0), real(1.0));
 }
 
+// Irradiance / pi by one slice of a light of radiance 1 between two elevations, 0 <= lowest < highest
+// <= 90 degrees, above a horizon.
+real keySlice(Angle horizon, Angle lowest, Angle highest, vec3 normal, real cosine, real sine,
+              Angle width)
+{
+    real nh = normal.x * cosine + normal.y * sine;
+    Angle top = HALF_PI - highest;
+    Angle bottom = min(HALF_PI - max(horizon, lowest), planeZenithAngle(normal.z, nh));
+    return bottom > top ? (sliceIrradiance(bottom, normal.z, nh, width) -
+                           sliceIrradiance(top, normal.z, nh, width)) / PI
+                        : real(0.0);
+}
+
 // One slice's share of a sky-view factor. elevation: of the horizon; the sky ends at the horizontal
 // in all three definitions. definition: 0 cosine to the normal, 1 cosine to the zenith, 2 solid angle.
 real skySlice(Angle elevation, vec3 normal, real cosine, real sine, Angle width, int definition)

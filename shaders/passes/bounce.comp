@@ -43,7 +43,7 @@ uniform ivec4 radianceLevels[16];
 
 #ifdef DIRECT
 uniform bool hasSky;
-uniform vec3 skyRadiance;
+uniform vec3 skyRadiance; // SKY_TABLE: 1
 uniform vec3 sunIrradiance; // 0 where there is none
 uniform vec3 sunDirection;
 
@@ -57,7 +57,7 @@ struct CornerLight
 CornerLight lightOfCorners(ivec2 post, Length here, Length east, float visible)
 {
     vec3 normals[4];
-    float sky[4];
+    SkyShare sky[4];
     float whole[4];
     for (int i = 0; i < 4; ++i)
     {
@@ -68,7 +68,7 @@ CornerLight lightOfCorners(ivec2 post, Length here, Length east, float visible)
         normals[i] = normalize(vec3(float(side.x) * whole[i] * (here - besideX) * northSpacing,
                                     float(side.y) * whole[i] * (here - besideY) * east,
                                     east * northSpacing));
-        sky[i] = 0.0;
+        sky[i] = SkyShare(0.0);
     }
     float width = 2.0 * PI / float(azimuths);
     for (int k = 0; k < (hasSky ? azimuths : 0); ++k)
@@ -76,13 +76,17 @@ CornerLight lightOfCorners(ivec2 post, Length here, Length east, float visible)
         float phi = width * float(k);
         Angle elevation = elevationOfCode(texelFetch(horizon, ivec3(post, k), 0).x);
         for (int i = 0; i < 4; ++i)
-            sky[i] += skySlice(elevation, normals[i], cos(phi), sin(phi), width, 0);
+            sky[i] += skyShare(elevation, normals[i], cos(phi), sin(phi), width, k);
     }
     CornerLight corners;
     for (int i = 0; i < 4; ++i)
         corners.light[i] =
             whole[i] * (skyRadiance * sky[i] +
                         sunIrradiance * (visible * max(dot(normals[i], sunDirection), 0.0) / PI));
+#ifdef KEY_LIGHTS
+    for (int i = 0; i < 4; ++i)
+        corners.light[i] += whole[i] * keyLight(post, normals[i]);
+#endif
     return corners;
 }
 #endif

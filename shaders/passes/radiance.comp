@@ -17,7 +17,7 @@ uniform sampler2D eastSpacings; // R32F [m], one texel per row
 uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k/m from east
 uniform int azimuths;
 uniform float northSpacing; // [m]
-uniform vec3 skyRadiance;   // 0 where there is none
+uniform vec3 skyRadiance;   // 0 where there is none; SKY_TABLE: 1
 uniform bool hasSky;
 uniform vec3 sunIrradiance; // 0 where there is none
 uniform vec3 sunDirection;
@@ -64,18 +64,21 @@ void main()
                                      (corners[i % 2] - corners[i % 2 + 2]) * east, east * northSpacing));
         received.rgb += sunIrradiance * (0.25 * texelFetch(light, cell + ivec2(i % 2, i / 2), 0).a *
                                          max(dot(corner, sunDirection), 0.0) / PI);
+#ifdef KEY_LIGHTS
+        received.rgb += 0.25 * keyLight(cell + ivec2(i % 2, i / 2), corner);
+#endif
     }
     if (hasSky)
     {
         float width = 2.0 * PI / float(azimuths);
-        float sum = 0.0;
+        SkyShare sum = SkyShare(0.0);
         for (int k = 0; k < azimuths; ++k)
         {
             float code = 0.0;
             for (int i = 0; i < 4; ++i)
                 code += 0.25 * texelFetch(horizon, ivec3(cell + ivec2(i % 2, i / 2), k), 0).x;
             float phi = width * float(k);
-            sum += skySlice(elevationOfCode(code), normal, cos(phi), sin(phi), width, 0);
+            sum += skyShare(elevationOfCode(code), normal, cos(phi), sin(phi), width, k);
         }
         received.rgb += skyRadiance * sum;
     }

@@ -3,7 +3,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D heights; // R32F [m], framed by `frame` void posts, row 0 south
 uniform sampler2D eastSpacings; // R32F [m], one texel per row
-uniform sampler2D skyView; // R32F, sky-view factor; read where hasSky
+uniform sampler2D skyView; // R32F, sky-view factor; SKY_TABLE: rgb = irradiance / pi. Read where hasSky
 // Elevation codes towards the sun's disc, its left, centre and right; read where hasSun.
 uniform sampler2DArray sunHorizon;
 layout(rgba16f, binding = 0) writeonly uniform image2D shading;
@@ -13,7 +13,7 @@ uniform int frame;
 uniform float northSpacing; // [m]
 uniform bool hasSky;
 uniform bool hasSun;
-uniform vec3 skyRadiance;
+uniform vec3 skyRadiance; // SKY_TABLE: 1
 uniform vec3 sunIrradiance; // on a surface that faces the sun
 uniform vec3 sunDirection;  // unit, x east, y north, z up
 uniform float sunElevation; // [rad]
@@ -33,7 +33,11 @@ void main()
     vec3 light = vec3(0.0);
     float visible = sunOff;
     if (hasSky)
-        light += skyRadiance * texelFetch(skyView, post, 0).x;
+        light += skyRadiance * SkyShare(texelFetch(skyView, post, 0));
+#ifdef KEY_LIGHTS
+    light += keyLight(post, postNormal(heights, post + frame,
+                                       texelFetch(eastSpacings, ivec2(0, post.y), 0).x, northSpacing));
+#endif
     if (hasSun)
     {
         // The sky's edge is the horizontal, for the sun as for the sky.

@@ -59,7 +59,9 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
 
     _heightsValue = _chain.addSource();
     _settingsValue = _chain.addSource();
+    _harmonicsValue = _chain.addSource();
     _sunPlaceValue = _chain.addSource();
+    _keyPlaceValue = _chain.addSource();
     _lightValue = _chain.addSource();
     _bounceValue = _chain.addSource();
     const auto heights = _chain.addStage({"heights",
@@ -82,8 +84,14 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                              : 0;
          },
          [this] { _horizon = nullptr; }});
+    const auto table = _chain.addStage({"table",
+                                        {_settingsValue, _harmonicsValue},
+                                        [this] { return tableNeeded(); },
+                                        [this](osg::State& state) { return runTable(state); },
+                                        [this] { return _table ? _table->bytes() : 0; },
+                                        [this] { _table = nullptr; }});
     const auto skyView = _chain.addStage({"sky",
-                                          {horizon},
+                                          {horizon, table},
                                           [this] { return skyNeeded(); },
                                           [this](osg::State& state) { return runSky(state); },
                                           [this] { return _skyView ? textureBytes(*_skyView) : 0; },
@@ -102,10 +110,24 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                          : 0;
          },
          [this] { _sun = nullptr; }});
+    const auto key = _chain.addStage(
+        {"key",
+         {_settingsValue, _keyPlaceValue, heights},
+         [this] { return keyNeeded(); },
+         [this](osg::State& state) { return runKey(state); },
+         [this]
+         {
+             return _key ? textureBytes(*_key->horizon()) +
+                               HorizonPass::workingBytes(width(), height(),
+                                                         HorizonScheme::of(_settings.quality),
+                                                         _key->horizon()->getTextureDepth())
+                         : 0;
+         },
+         [this] { _key = nullptr; }});
     const auto shade =
         _chain.addStage({"shade",
                          // Bounces are added to what this writes, so it runs before each.
-                         {skyView, sun, _lightValue, _bounceValue, heights},
+                         {skyView, sun, key, _lightValue, _bounceValue, heights},
                          [] { return true; },
                          [this](osg::State& state) { return runShade(state); },
                          [this] { return textureBytes(*_shading); },
@@ -136,6 +158,14 @@ bool TileLighting::needsSun(const SkyLight& sky)
     return sky.sunEnabled && sky.sunElevation + sky.sunAngularRadius > 0.0;
 }
 
+int TileLighting::keyAzimuths(const SkyLight& sky, const LightingSettings& settings)
+{
+    int count = 0;
+    for (const KeySlices& key : keySlices(sky, settings.azimuths))
+        count += key.count;
+    return count;
+}
+
 void TileLighting::setSettings(const LightingSettings& settings)
 {
     Lock lock(_mutex);
@@ -157,6 +187,8 @@ void TileLighting::setSettings(const LightingSettings& settings)
         return;
     _horizon = nullptr;
     _sun = nullptr;
+    _key = nullptr;
+    _table = nullptr;
     _bounce = nullptr;
     _chain.touch(_settingsValue);
 }
@@ -164,8 +196,8 @@ void TileLighting::setSettings(const LightingSettings& settings)
 bool TileLighting::bounceNeeded() const
 {
     // Less than two posts a side have no cell between them to send light.
-    return _settings.bounces > 0 && (skyNeeded() || sunNeeded()) && width() > 1 && height() > 1 &&
-           !(_albedo.empty() ? isBlack(_settings.albedo) : _albedoIsBlack);
+    return _settings.bounces > 0 && (skyNeeded() || sunNeeded() || keyNeeded()) && width() > 1 &&
+           height() > 1 && !(_albedo.empty() ? isBlack(_settings.albedo) : _albedoIsBlack);
 }
 
 void TileLighting::setAlbedo(Raster<Rgb> albedo)
@@ -184,6 +216,21 @@ void TileLighting::setSky(const SkyLight& sky)
     if (sky.sunAzimuth != _sky.sunAzimuth || sky.sunElevation != _sky.sunElevation ||
         sky.sunAngularRadius != _sky.sunAngularRadius)
         _chain.touch(_sunPlaceValue);
+    if (sky.skyHarmonics != _sky.skyHarmonics)
+        _chain.touch(_harmonicsValue);
+    // What has horizons of its own is the slices' places; their light is read when it is needed.
+    const auto places = [this](const SkyLight& light)
+    {
+        std::vector<std::array<double, 3>> found;
+        for (const KeySlices& key : keySlices(light, _settings.azimuths))
+            found.push_back({key.first, key.width, double(key.count)});
+        return found;
+    };
+    if (places(sky) != places(_sky))
+    {
+        _key = nullptr;
+        _chain.touch(_keyPlaceValue);
+    }
     _sky = sky;
     _chain.touch(_lightValue);
 }
@@ -228,6 +275,7 @@ void TileLighting::setPosts(osg::Texture2D* posts)
             pass->reads("heights", _heights);
         _horizon = nullptr;
         _sun = nullptr;
+        _key = nullptr;
         _bounce = nullptr;
     }
     _posts = posts;
@@ -283,13 +331,30 @@ Status TileLighting::runHorizon(osg::State& state)
     return _horizon->dispatch(state);
 }
 
+Status TileLighting::runTable(osg::State& state)
+{
+    if (!_table)
+        _table = new SkyTablePass(_settings.azimuths);
+    return _table->dispatch(state, _sky.skyHarmonics);
+}
+
+AreaLights TileLighting::areaLights() const
+{
+    return {_table ? _table->table() : nullptr, _key ? _key->horizon() : nullptr,
+            keySlices(_sky, _settings.azimuths)};
+}
+
 Status TileLighting::runSky(osg::State& state)
 {
-    if (!_skyView)
+    const GLint format = tableNeeded() ? GL_RGBA16F_ARB : GL_R32F;
+    if (!_skyView || _skyView->getInternalFormat() != format)
     {
-        _skyView = createTarget(width(), height(), GL_R32F);
+        _skyView = createTarget(width(), height(), format);
         _skyPass->writes(0, _skyView);
     }
+    AreaLights sky = areaLights();
+    sky.keyHorizon = nullptr;
+    sky.apply(*_skyPass);
     _skyPass->reads("horizon", _horizon->horizon());
     _skyPass->set("azimuths", _settings.azimuths);
     _skyPass->set("definition", static_cast<int>(_definition));
@@ -314,15 +379,26 @@ Status TileLighting::runSun(osg::State& state)
     return _sun->dispatch(state);
 }
 
+Status TileLighting::runKey(osg::State& state)
+{
+    const std::vector<MapDirection> directions = directionsOf(keySlices(_sky, _settings.azimuths));
+    if (!_key)
+        _key = new HorizonPass(_tile, _heights, HorizonScheme::of(_settings.quality),
+                               static_cast<int>(directions.size()));
+    _key->setDirections(directions);
+    return _key->dispatch(state);
+}
+
 Status TileLighting::runShade(osg::State& state)
 {
     const std::array<double, 3> direction = _sky.sunDirection();
     GpuPass& pass = *_shadePass;
+    areaLights().apply(pass);
     pass.reads("skyView", skyNeeded() ? _skyView.get() : _nothing.get());
     pass.reads("sunHorizon", sunNeeded() ? _sun->horizon() : _nothingLayered.get());
     pass.set("hasSky", skyNeeded());
     pass.set("hasSun", sunNeeded());
-    pass.set("skyRadiance", vec3(_sky.skyRadiance));
+    pass.set("skyRadiance", vec3(skyGain(_sky)));
     pass.set("sunIrradiance", vec3(_sky.sunIrradiance));
     pass.set("sunDirection",
              osg::Vec3f(static_cast<float>(direction[0]), static_cast<float>(direction[1]),
@@ -353,6 +429,7 @@ Status TileLighting::runBounce(osg::State& state)
     if (!_albedoTexture)
         _albedoTexture =
             createColourTexture(_albedo.size() ? _albedo : Raster<Rgb>(1, 1, _settings.albedo));
+    _bounce->setAreaLights(areaLights());
     Status done =
         _bounce->dispatch(state, _settings.bounces, _sky, _horizon ? _horizon->horizon() : nullptr,
                           _albedoTexture, _shading);
@@ -404,7 +481,7 @@ HorizonMap TileLighting::readHorizons(osg::State& state) const
 unsigned TileLighting::readDroppedVertices(osg::State& state) const
 {
     unsigned count = 0;
-    for (const auto& pass : {_horizon, _sun})
+    for (const auto& pass : {_horizon, _sun, _key})
         if (pass)
             count += readUints(state, *pass->dropped()).front();
     return count;
@@ -432,9 +509,11 @@ void TileLighting::releaseGLObjects(osg::State* state) const
 {
     Lock lock(_mutex);
     _chain.forget(state ? state->getContextID() : ~0u);
-    for (const auto& pass : {_horizon, _sun})
+    for (const auto& pass : {_horizon, _sun, _key})
         if (pass)
             pass->releaseGLObjects(state);
+    if (_table)
+        _table->releaseGLObjects(state);
     for (const auto& pass : {_skyPass, _shadePass, _framePass})
         if (pass)
             pass->releaseGLObjects(state);
@@ -452,9 +531,11 @@ void TileLighting::releaseGLObjects(osg::State* state) const
 void TileLighting::resizeGLObjectBuffers(unsigned size)
 {
     Lock lock(_mutex);
-    for (const auto& pass : {_horizon, _sun})
+    for (const auto& pass : {_horizon, _sun, _key})
         if (pass)
             pass->resizeGLObjectBuffers(size);
+    if (_table)
+        _table->resizeGLObjectBuffers(size);
     for (const auto& pass : {_skyPass, _shadePass, _framePass})
         if (pass)
             pass->resizeGLObjectBuffers(size);

@@ -11,8 +11,10 @@
 #include "gpu/GpuPass.h"
 #include "gpu/HeightTexture.h"
 #include "gpu/PassChain.h"
+#include "gpu/passes/AreaLights.h"
 #include "gpu/passes/Bounces.h"
 #include "gpu/passes/HorizonPass.h"
+#include "gpu/passes/SkyTablePass.h"
 
 #include <osg/Referenced>
 #include <osg/Texture2D>
@@ -35,8 +37,9 @@ enum class SkyViewDefinition
 /// One tile's pass chain and textures: heights and light in, shading texture out.
 ///
 /// Setters may be called from any thread; update() and the read functions need the current context
-/// of their state. Stages: heights (they have been set), horizon (a sky or a bounce is on), sky (a
-/// sky is on), sun (a sun is on and not wholly below the horizontal), shade, pyramid and bounce
+/// of their state. Stages: heights (they have been set), horizon (a sky or a bounce is on), table
+/// (a sky in harmonics is on), sky (a sky is on), sun (a sun is on and not wholly below the
+/// horizontal), key (a key light is above the horizontal and not black), shade, pyramid and bounce
 /// (bounces are on, and there is what they would bounce).
 class OSGTERRAINLIGHT_EXPORT TileLighting : public osg::Referenced
 {
@@ -49,6 +52,9 @@ public:
 
     /// Whether a light has a sun stage: a sun that is on and not wholly below the horizontal.
     static bool needsSun(const SkyLight& sky);
+
+    /// Horizons that the key lights' stage computes per post.
+    static int keyAzimuths(const SkyLight& sky, const LightingSettings& settings);
 
     int width() const { return _tile.width(); }
     int height() const { return _tile.height(); }
@@ -85,12 +91,12 @@ public:
     /// Read-back, all in tile order (row 0 south). Call after update().
     Raster<osg::Vec4f> readShading(osg::State& state) const;
     Raster<float>
-    readSkyView(osg::State& state) const;             ///< NaN where void; precondition: a sky is on
+    readSkyView(osg::State& state) const; ///< NaN where void; precondition: a uniform sky is on
     HorizonMap readHorizons(osg::State& state) const; ///< precondition: a sky is on
     /// Of the last bounce alone: rgb = irradiance / π, a = 1; 0 where void. Precondition: bounces
     /// are on.
     Raster<osg::Vec4f> readLastBounce(osg::State& state) const;
-    unsigned readDroppedVertices(osg::State& state) const; ///< of both sweeps
+    unsigned readDroppedVertices(osg::State& state) const; ///< of all sweeps
 
     void setTimed(bool timed) { _chain.setTimed(timed); }
     std::vector<StageCost> costs() const;
@@ -104,7 +110,10 @@ private:
     ~TileLighting() override = default;
 
     bool skyNeeded() const { return _sky.skyEnabled; }
+    bool tableNeeded() const { return skyNeeded() && !_sky.skyHarmonics.empty(); }
     bool sunNeeded() const { return needsSun(_sky); }
+    bool keyNeeded() const { return keyAzimuths(_sky, _settings) > 0; }
+    AreaLights areaLights() const;
     bool bounceNeeded() const;
     bool horizonNeeded() const
     {
@@ -114,8 +123,10 @@ private:
     void setPosts(osg::Texture2D* posts);
     Status runHeights(osg::State& state);
     Status runHorizon(osg::State& state);
+    Status runTable(osg::State& state);
     Status runSky(osg::State& state);
     Status runSun(osg::State& state);
+    Status runKey(osg::State& state);
     Status runShade(osg::State& state);
     Status runPyramid(osg::State& state);
     Status runBounce(osg::State& state);
@@ -127,7 +138,8 @@ private:
     SkyViewDefinition _definition;
 
     mutable PassChain _chain;
-    PassChain::Value _heightsValue, _settingsValue, _sunPlaceValue, _lightValue, _bounceValue;
+    PassChain::Value _heightsValue, _settingsValue, _harmonicsValue, _sunPlaceValue, _keyPlaceValue,
+        _lightValue, _bounceValue;
 
     osg::ref_ptr<osg::Texture2D> _heights;
     osg::ref_ptr<osg::Texture2D> _posts; ///< where heights come from; null: from _tile, for good
@@ -136,7 +148,9 @@ private:
     osg::ref_ptr<osg::Texture2D> _eastSpacings;
     osg::ref_ptr<HorizonPass> _horizon;
     osg::ref_ptr<HorizonPass> _sun;
-    osg::ref_ptr<osg::Texture2D> _skyView;
+    osg::ref_ptr<HorizonPass> _key;
+    osg::ref_ptr<SkyTablePass> _table;
+    osg::ref_ptr<osg::Texture2D> _skyView; ///< or its light, where it has a table
     osg::ref_ptr<osg::Texture2D> _shading;
     osg::ref_ptr<GpuPass> _skyPass;
     osg::ref_ptr<GpuPass> _shadePass;

@@ -3,6 +3,7 @@
 #include "core/AzimuthSet.h"
 #include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
+#include "gpu/passes/AreaLights.h"
 #include "gpu/passes/GridDirection.h"
 #include "gpu/passes/HorizonPass.h"
 
@@ -243,6 +244,13 @@ Status BouncePass::dispatchHeights(osg::State& state)
                          _heightPyramid);
 }
 
+void BouncePass::setAreaLights(const AreaLights& lights)
+{
+    lights.apply(*_directRadiance, {"DIRECT"});
+    lights.apply(*_firstBounce, _stride == 1 ? std::vector<std::string>{"DIRECT"}
+                                             : std::vector<std::string>{"DIRECT", "COARSE"});
+}
+
 Status BouncePass::dispatch(osg::State& state, int bounces, const SkyLight& sky,
                             osg::Texture2DArray* horizon, osg::Texture2D* albedo,
                             osg::Texture2D* shading)
@@ -258,7 +266,7 @@ Status BouncePass::dispatch(osg::State& state, int bounces, const SkyLight& sky,
     for (const auto& pass : {_directRadiance, _firstBounce})
     {
         pass->set("hasSky", sky.skyEnabled);
-        pass->set("skyRadiance", vec3(sky.skyEnabled ? sky.skyRadiance : Rgb{}));
+        pass->set("skyRadiance", vec3(skyGain(sky)));
         pass->set("sunIrradiance", vec3(sky.sunEnabled ? sky.sunIrradiance : Rgb{}));
         pass->set("sunDirection", vec3(sky.sunDirection()));
     }

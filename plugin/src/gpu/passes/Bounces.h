@@ -17,6 +17,7 @@ namespace osgTerrainLight
 {
 
 class GpuPass;
+struct AreaLights;
 
 /// A way to compute diffuse bounces of light between the posts of a tile.
 class OSGTERRAINLIGHT_EXPORT Bounces : public osg::Referenced
@@ -31,6 +32,10 @@ public:
     virtual Status dispatch(osg::State& state, int bounces, const SkyLight& sky,
                             osg::Texture2DArray* horizon, osg::Texture2D* albedo,
                             osg::Texture2D* shading) = 0;
+
+    /// Direct light beside the uniform sky and the sun, for a method that computes it anew where
+    /// light bounces. From the next dispatch on.
+    virtual void setAreaLights(const AreaLights&) {}
 
     /// RGBA16F: irradiance / π of the last bounce.
     virtual osg::Texture2D* light() const = 0;

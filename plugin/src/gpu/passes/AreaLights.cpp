@@ -1,0 +1,49 @@
+#include "gpu/passes/AreaLights.h"
+
+#include <cmath>
+
+namespace osgTerrainLight
+{
+
+Rgb skyGain(const SkyLight& sky)
+{
+    return !sky.skyEnabled            ? Rgb{}
+           : sky.skyHarmonics.empty() ? sky.skyRadiance
+                                      : Rgb{1.0f, 1.0f, 1.0f};
+}
+
+void AreaLights::apply(GpuPass& pass, std::vector<std::string> defines) const
+{
+    if (skyTable)
+        defines.push_back("SKY_TABLE");
+    if (keyHorizon)
+        defines.push_back("KEY_LIGHTS");
+    pass.setDefines(std::move(defines));
+    pass.reads("skyTable", skyTable);
+    pass.reads("keyHorizon", keyHorizon);
+    if (!keyHorizon)
+        return;
+    constexpr double radiansPerDegree = 3.14159265358979323846 / 180.0;
+    osg::ref_ptr<osg::Uniform> places =
+        new osg::Uniform(osg::Uniform::FLOAT_VEC4, "keyPlaces", static_cast<int>(maxKeyLights));
+    osg::ref_ptr<osg::Uniform> radiances =
+        new osg::Uniform(osg::Uniform::FLOAT_VEC4, "keyRadiances", static_cast<int>(maxKeyLights));
+    for (std::size_t i = 0; i < keys.size(); ++i)
+    {
+        const KeySlices& key = keys[i];
+        const MapDirection first = directionOfCompass(key.first);
+        places->setElement(static_cast<unsigned>(i),
+                           osg::Vec4f(static_cast<float>(std::atan2(first.north, first.east)),
+                                      static_cast<float>(key.width * radiansPerDegree),
+                                      static_cast<float>(key.lowest * radiansPerDegree),
+                                      static_cast<float>(key.highest * radiansPerDegree)));
+        radiances->setElement(static_cast<unsigned>(i),
+                              osg::Vec4f(key.radiance[0], key.radiance[1], key.radiance[2],
+                                         static_cast<float>(key.count)));
+    }
+    pass.set(places);
+    pass.set(radiances);
+    pass.set("keyCount", static_cast<int>(keys.size()));
+}
+
+} // namespace osgTerrainLight
