@@ -1,5 +1,5 @@
-// Direct light beyond the uniform sky and the sun, for the passes that are compiled with it; what
-// AreaLights::apply sets. SKY_TABLE: a sky of any radiance. KEY_LIGHTS: area lights.
+// Direct light beyond the uniform sky, for the passes that are compiled with it; what
+// AreaLights::apply sets. SKY_TABLE: a sky of any radiance. KEY_LIGHTS: area lights. SUN: the sun.
 
 // Irradiance / pi by a sky, over skyRadiance: a number where the sky is uniform, a colour (and skyRadiance
 // is 1) where it has a table.
@@ -58,5 +58,27 @@ vec3 keyLight(ivec2 post, vec3 normal)
         light += keyRadiances[i].rgb * sum;
     }
     return light;
+}
+#endif
+
+#ifdef SUN
+uniform sampler2DArray sunHorizon; // elevation codes towards the disc's left, centre and right
+uniform vec3 sunIrradiance; // on a surface that faces the sun
+uniform vec3 sunDirection;  // unit, x east, y north, z up
+uniform float sunElevation; // [rad]
+uniform float sunRadius;    // [rad]
+
+// How far the sun's centre stands over a post's horizon [rad], 0 left, 1 centre, 2 right of the disc. The
+// sky's edge is the horizontal, for the sun as for the sky.
+Angle sunAbove(ivec2 post, int part)
+{
+    return sunElevation - max(elevationOfCode(texelFetch(sunHorizon, ivec3(post, part), 0).x), 0.0);
+}
+
+// The same of a cell's corners.
+vec4 sunAboveCorners(ivec2 cell)
+{
+    return vec4(sunAbove(cell, 1), sunAbove(cell + ivec2(1, 0), 1), sunAbove(cell + ivec2(0, 1), 1),
+                sunAbove(cell + ivec2(1, 1), 1));
 }
 #endif

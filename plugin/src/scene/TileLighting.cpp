@@ -41,7 +41,6 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
 {
     _shading = createTarget(_tile.width(), _tile.height(), GL_RGBA16F_ARB);
     _nothing = createFloatTexture(Raster<float>(1, 1));
-    _nothingLayered = createLayeredTarget(1, 1, 1, GL_R16);
     Raster<float> spacings(1, _tile.height());
     for (int y = 0; y < _tile.height(); ++y)
         spacings.at(0, y) = static_cast<float>(_tile.eastSpacing(y));
@@ -341,7 +340,7 @@ Status TileLighting::runTable(osg::State& state)
 AreaLights TileLighting::areaLights() const
 {
     return {_table ? _table->table() : nullptr, _key ? _key->horizon() : nullptr,
-            keySlices(_sky, _settings.azimuths)};
+            keySlices(_sky, _settings.azimuths), _sun ? _sun->horizon() : nullptr, _sky};
 }
 
 Status TileLighting::runSky(osg::State& state)
@@ -352,8 +351,8 @@ Status TileLighting::runSky(osg::State& state)
         _skyView = createTarget(width(), height(), format);
         _skyPass->writes(0, _skyView);
     }
-    AreaLights sky = areaLights();
-    sky.keyHorizon = nullptr;
+    AreaLights sky;
+    sky.skyTable = areaLights().skyTable;
     sky.apply(*_skyPass);
     _skyPass->reads("horizon", _horizon->horizon());
     _skyPass->set("azimuths", _settings.azimuths);
@@ -391,20 +390,11 @@ Status TileLighting::runKey(osg::State& state)
 
 Status TileLighting::runShade(osg::State& state)
 {
-    const std::array<double, 3> direction = _sky.sunDirection();
     GpuPass& pass = *_shadePass;
     areaLights().apply(pass);
     pass.reads("skyView", skyNeeded() ? _skyView.get() : _nothing.get());
-    pass.reads("sunHorizon", sunNeeded() ? _sun->horizon() : _nothingLayered.get());
     pass.set("hasSky", skyNeeded());
-    pass.set("hasSun", sunNeeded());
     pass.set("skyRadiance", vec3(skyGain(_sky)));
-    pass.set("sunIrradiance", vec3(_sky.sunIrradiance));
-    pass.set("sunDirection",
-             osg::Vec3f(static_cast<float>(direction[0]), static_cast<float>(direction[1]),
-                        static_cast<float>(direction[2])));
-    pass.set("sunElevation", static_cast<float>(_sky.sunElevation * radiansPerDegree));
-    pass.set("sunRadius", static_cast<float>(_sky.sunAngularRadius * radiansPerDegree));
     pass.set("sunOff", _sky.sunEnabled ? 0.0f : 1.0f);
     return pass.dispatch(state,
                          {GpuPass::groupsFor(width(), 8), GpuPass::groupsFor(height(), 8), 1});
@@ -525,7 +515,6 @@ void TileLighting::releaseGLObjects(osg::State* state) const
          {_heights, _eastSpacings, _skyView, _shading, _albedoTexture, _nothing})
         if (texture)
             texture->releaseGLObjects(state);
-    _nothingLayered->releaseGLObjects(state);
 }
 
 void TileLighting::resizeGLObjectBuffers(unsigned size)
@@ -547,7 +536,6 @@ void TileLighting::resizeGLObjectBuffers(unsigned size)
          {_heights, _eastSpacings, _skyView, _shading, _albedoTexture, _nothing})
         if (texture)
             texture->resizeGLObjectBuffers(size);
-    _nothingLayered->resizeGLObjectBuffers(size);
 }
 
 } // namespace osgTerrainLight

@@ -159,7 +159,6 @@ private:
     bool _albedoIsBlack = false;
     osg::ref_ptr<osg::Texture2D> _albedoTexture;
     osg::ref_ptr<osg::Texture2D> _nothing; ///< one texel, stands for the texture of an absent stage
-    osg::ref_ptr<osg::Texture2DArray> _nothingLayered;
 };
 
 } // namespace osgTerrainLight

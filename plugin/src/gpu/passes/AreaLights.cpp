@@ -1,5 +1,6 @@
 #include "gpu/passes/AreaLights.h"
 
+#include <array>
 #include <cmath>
 
 namespace osgTerrainLight
@@ -18,12 +19,26 @@ void AreaLights::apply(GpuPass& pass, std::vector<std::string> defines) const
         defines.push_back("SKY_TABLE");
     if (keyHorizon)
         defines.push_back("KEY_LIGHTS");
+    if (sunHorizon)
+        defines.push_back("SUN");
     pass.setDefines(std::move(defines));
     pass.reads("skyTable", skyTable);
     pass.reads("keyHorizon", keyHorizon);
+    pass.reads("sunHorizon", sunHorizon);
+    constexpr double radiansPerDegree = 3.14159265358979323846 / 180.0;
+    if (sunHorizon)
+    {
+        const std::array<double, 3> direction = sky.sunDirection();
+        const Rgb& irradiance = sky.sunIrradiance;
+        pass.set("sunIrradiance", osg::Vec3f(irradiance[0], irradiance[1], irradiance[2]));
+        pass.set("sunDirection",
+                 osg::Vec3f(static_cast<float>(direction[0]), static_cast<float>(direction[1]),
+                            static_cast<float>(direction[2])));
+        pass.set("sunElevation", static_cast<float>(sky.sunElevation * radiansPerDegree));
+        pass.set("sunRadius", static_cast<float>(sky.sunAngularRadius * radiansPerDegree));
+    }
     if (!keyHorizon)
         return;
-    constexpr double radiansPerDegree = 3.14159265358979323846 / 180.0;
     osg::ref_ptr<osg::Uniform> places =
         new osg::Uniform(osg::Uniform::FLOAT_VEC4, "keyPlaces", static_cast<int>(maxKeyLights));
     osg::ref_ptr<osg::Uniform> radiances =

@@ -16,7 +16,7 @@ namespace osgTerrainLight
 /// skyRadiance of shaders/lights.glsl: what the sky's share of light is multiplied by.
 OSGTERRAINLIGHT_EXPORT Rgb skyGain(const SkyLight& sky);
 
-/// What passes read for direct light beyond the uniform sky and the sun (shaders/lights.glsl).
+/// What passes read for direct light beyond the uniform sky (shaders/lights.glsl).
 struct OSGTERRAINLIGHT_EXPORT AreaLights
 {
     /// Of SkyTablePass; null where the sky is uniform or off.
@@ -24,9 +24,12 @@ struct OSGTERRAINLIGHT_EXPORT AreaLights
     /// Elevation codes, a layer per slice; null where no key light lights anything.
     osg::ref_ptr<osg::Texture2DArray> keyHorizon;
     std::vector<KeySlices> keys;
+    /// Elevation codes towards the disc's left, centre and right; null where there is no sun.
+    osg::ref_ptr<osg::Texture2DArray> sunHorizon;
+    SkyLight sky; ///< its sun is read
 
     /// Makes the pass the variant that reads these, with `defines` of its own: SKY_TABLE,
-    /// KEY_LIGHTS, both or none.
+    /// KEY_LIGHTS, SUN, those that there are.
     void apply(GpuPass& pass, std::vector<std::string> defines = {}) const;
 };
 

@@ -102,7 +102,7 @@ private:
     osg::ref_ptr<GpuPass> _firstBounce, _nextBounce;
     std::array<osg::ref_ptr<osg::Texture2D>, 3> _vectors; ///< of colours, where the stride is not 1
     osg::ref_ptr<GpuPass> _upsample;                      ///< ditto
-    osg::ref_ptr<GpuPass> _firstHeights, _nextHeights, _reduceRadiance;
+    osg::ref_ptr<GpuPass> _firstHeights, _nextHeights, _firstRadiance, _nextRadiance;
 };
 
 } // namespace osgTerrainLight
