@@ -106,7 +106,8 @@ Status writePicture(const Options& options, const Metadata& metadata, const LitT
 
 Metadata metadataOf(const Options& options, const LitTile& lit)
 {
-    Metadata metadata = describe("shade", lit, options.sky.skyEnabled);
+    Metadata metadata =
+        describe("shade", lit, options.sky.skyEnabled || !options.sky.keyLights.empty());
     const bool uniform = options.sky.skyHarmonics.empty();
     add(metadata, "SKY", !options.sky.skyEnabled ? "none" : uniform ? "uniform" : "harmonics");
     addAreaLights(metadata, options.sky);

@@ -3,6 +3,8 @@
 #include "core/KeySlices.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <locale>
 #include <sstream>
@@ -155,12 +157,18 @@ Status setKeyLights(SkyLight& sky, const std::string& name, const std::string& t
 
 std::string numbersText(const std::vector<double>& values)
 {
-    std::ostringstream text;
-    text.imbue(std::locale::classic());
-    text.precision(9);
-    for (std::size_t i = 0; i < values.size(); ++i)
-        text << (i ? "," : "") << values[i];
-    return text.str();
+    std::string text;
+    for (const double value : values)
+    {
+        // The shortest that reads back as the same; of a float, as the same float.
+        std::array<char, 32> digits{};
+        const float single = static_cast<float>(value);
+        const auto end = static_cast<double>(single) == value
+                             ? std::to_chars(digits.begin(), digits.end(), single).ptr
+                             : std::to_chars(digits.begin(), digits.end(), value).ptr;
+        text += (text.empty() ? "" : ",") + std::string(digits.begin(), end);
+    }
+    return text;
 }
 } // namespace
 
