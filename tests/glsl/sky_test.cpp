@@ -83,6 +83,42 @@ TYPED_TEST(SkyFunctions, SliceIrradianceIsItsIntegral)
                 }
 }
 
+// Expected: the definition, from the highest elevation down to the horizon, the lowest one or the
+// surface's plane.
+TYPED_TEST(SkyFunctions, KeySliceIsItsIntegral)
+{
+    Glsl<TypeParam> glsl;
+    const auto real = [](double x) { return static_cast<TypeParam>(x); };
+    const double width = 0.2;
+    for (const double horizon : {-0.5, 0.0, 0.3, 0.9, 1.5})
+        for (const auto& [lowest, highest] :
+             {std::pair{0.0, 0.5}, {0.2, 0.8}, {0.7, pi / 2.0}, {0.0, pi / 2.0}, {0.4, 0.41}})
+            for (const double slant : {0.0, 0.4, 0.95})
+                for (const double aim : {0.0, 2.0, pi})
+                {
+                    const double nz = std::sqrt(1.0 - slant * slant);
+                    const typename Glsl<TypeParam>::vec3 normal(real(slant), real(0.0), real(nz));
+                    const double nh = slant * std::cos(aim);
+                    const double top = pi / 2.0 - highest;
+                    const double bottom = std::min(pi / 2.0 - std::max(horizon, lowest),
+                                                   pi / 2.0 + std::atan2(nh, nz));
+                    const double expected = bottom > top
+                                                ? (sliceByQuadrature(bottom, nz, nh, width) -
+                                                   sliceByQuadrature(top, nz, nh, width)) /
+                                                      pi
+                                                : 0.0;
+                    // Two of SliceIrradianceIsItsIntegral's, and the angle at which it ends.
+                    const double bound =
+                        width * (2.0 * quadrature + 20.0 * roundoff<TypeParam> * (0.5 + pi / 2.0) +
+                                 arcBound<TypeParam>);
+                    const double found = static_cast<double>(
+                        glsl.keySlice(real(horizon), real(lowest), real(highest), normal,
+                                      real(std::cos(aim)), real(std::sin(aim)), real(width)));
+                    ASSERT_NEAR(found, expected, bound)
+                        << horizon << ' ' << lowest << ' ' << highest << ' ' << slant << ' ' << aim;
+                }
+}
+
 TYPED_TEST(SkyFunctions, PlaneZenithAngleLiesInThePlane)
 {
     using G = Glsl<TypeParam>;

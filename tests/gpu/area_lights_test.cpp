@@ -335,8 +335,9 @@ TEST(KeyLights, LevelGround)
     }
 }
 
-// A plane that faces the light: it sees all of it. Expected: openIrradiance(), whose steps cut a
-// light's edges: those of 1° and more by 0.25°/2 on either side at most.
+// A plane, which may cut the light: with 4 slices, and with 15. Expected: openIrradiance(), whose
+// steps end where the light does. Bounds: a half float's, and what clamping at the slices' middles
+// was measured to cost, and half more.
 TEST(KeyLights, Ramps)
 {
     OTL_NEED_GL(context);
@@ -353,8 +354,10 @@ TEST(KeyLights, Ramps)
             const auto found =
                 shadingOf(context->state(), analytic::ramp(33, 33, 10.0, east, north),
                           keyOnly({key}), settings);
-            std::cout << "ramp " << east << ' ' << north << ", " << azimuths << ": "
-                      << static_cast<double>(found.at(16, 16)[1]) / expected - 1.0 << '\n';
+            const double error = static_cast<double>(found.at(16, 16)[1]) / expected - 1.0;
+            std::cout << "ramp " << east << ' ' << north << ", " << azimuths << ": " << error
+                      << '\n';
+            EXPECT_LT(std::abs(error), halfError + (azimuths == 32 ? 1e-3 : 1e-4));
         }
     }
 }
@@ -421,25 +424,25 @@ TEST_P(AreaLightAccuracy, AgainstThePathTracer)
     };
     illumination.importance = reference::importanceOf(illumination.environment, 720, 360);
     std::mt19937 random(11);
-    std::vector<reference::Receiver> receivers(200);
+    std::vector<reference::Receiver> receivers(100);
     for (reference::Receiver& receiver : receivers)
     {
         receiver.column = static_cast<int>(random() % static_cast<unsigned>(tile.width()));
         receiver.row = static_cast<int>(random() % static_cast<unsigned>(tile.height()));
     }
     reference::PathTracerOptions options;
-    options.samples = 1 << 14;
+    options.samples = 1 << 16;
     options.bounces = 2;
     const auto truth = tracer->trace(illumination, receivers, options);
     ASSERT_TRUE(truth.ok()) << truth.error().message;
 
-    for (const int azimuths : {32, 64, 128})
+    for (const int azimuths : {16, 32, 64, 128})
     {
         LightingSettings settings;
         settings.azimuths = azimuths;
         std::vector<Raster<osg::Vec4f>> light = {
             shadingOf(context->state(), tile, scene.sky, settings)};
-        for (settings.bounces = 1; settings.bounces <= 2; ++settings.bounces)
+        for (settings.bounces = 1; azimuths == 32 && settings.bounces <= 2; ++settings.bounces)
         {
             const auto lighting = lit(context->state(), tile, settings, scene.sky);
             light.push_back(lighting->readLastBounce(context->state()));
@@ -447,7 +450,7 @@ TEST_P(AreaLightAccuracy, AgainstThePathTracer)
         }
         std::vector<double> sums(receivers.size()), expected(receivers.size()),
             variances(receivers.size());
-        for (std::size_t order = 0; order < 3; ++order)
+        for (std::size_t order = 0; order < light.size(); ++order)
         {
             if (order == 1) // direct light by itself, then the sum of bounces
                 sums = expected = variances = std::vector<double>(receivers.size());
@@ -468,13 +471,17 @@ TEST_P(AreaLightAccuracy, AgainstThePathTracer)
             }
             const double error = std::sqrt(std::max(0.0, squares - noise) / of);
             std::cout << scene.name << ", " << azimuths << " azimuths, "
+                      << TileLighting::keyAzimuths(scene.sky, settings) << " of key lights, "
                       << (order == 0   ? "direct"
                           : order == 1 ? "1 bounce"
                                        : "2 bounces")
                       << ": relative RMS " << 100.0 * error << " % (noise "
                       << 100.0 * std::sqrt(noise / of) << " %), bias " << 100.0 * bias / mean
                       << " %\n";
-            EXPECT_LE(error, order == 0 ? scene.direct : scene.bounced);
+            if (azimuths > 16) // what is less than the default is printed only
+            {
+                EXPECT_LE(error, order == 0 ? scene.direct : scene.bounced);
+            }
             EXPECT_LE(std::sqrt(noise / of), order == 0 ? scene.direct : scene.bounced);
         }
     }

@@ -432,13 +432,24 @@ TEST(TerrainLighting, RefusesValuesOutsideTheirRange)
     sky.sunElevation = 100.0;
     lighting->setSkyLight(sky);
     EXPECT_EQ(lighting->getSkyLight().sunElevation, SkyLight().sunElevation);
+    sky = SkyLight();
+    sky.skyHarmonics.resize(3);
+    lighting->setSkyLight(sky);
+    EXPECT_TRUE(lighting->getSkyLight().skyHarmonics.empty());
+    sky.skyHarmonics.clear();
+    sky.keyLights.resize(9);
+    lighting->setSkyLight(sky);
+    sky.keyLights.resize(1);
+    sky.keyLights[0].lowest = sky.keyLights[0].highest;
+    lighting->setSkyLight(sky);
+    EXPECT_TRUE(lighting->getSkyLight().keyLights.empty());
     LightingSettings settings;
     settings.azimuths = 30;
     lighting->setSettings(settings);
     EXPECT_EQ(lighting->getSettings().azimuths, LightingSettings().azimuths);
     lighting->setTimeBudget(std::nan(""));
     EXPECT_EQ(lighting->getTimeBudget(), 50.0);
-    EXPECT_EQ(said.count("not set"), 3) << said.text();
+    EXPECT_EQ(said.count("not set"), 6) << said.text();
 }
 
 TEST(TerrainLighting, GoesThroughAFileAndBack)
@@ -450,6 +461,10 @@ TEST(TerrainLighting, GoesThroughAFileAndBack)
     sky.sunElevation = 12.5;
     sky.skyEnabled = false;
     sky.sunIrradiance = {1.0f, 2.0f, 3.0f};
+    sky.skyHarmonics = {{1.0f, 2.0f, 3.0f}, {-0.5f, 0.0f, 0.25f}, {0.1f, 0.2f, 0.3f}, {}};
+    sky.keyLights.resize(2);
+    sky.keyLights[1].azimuth = -33.5;
+    sky.keyLights[1].radiance = {0.5f, 4.0f, 0.0f};
     lighting->setSkyLight(sky);
     LightingSettings settings;
     settings.azimuths = 64;
@@ -474,6 +489,11 @@ TEST(TerrainLighting, GoesThroughAFileAndBack)
         EXPECT_FALSE(read->getSkyLight().skyEnabled);
         EXPECT_TRUE(read->getSkyLight().sunEnabled);
         EXPECT_EQ(read->getSkyLight().sunIrradiance, sky.sunIrradiance);
+        EXPECT_EQ(read->getSkyLight().skyHarmonics, sky.skyHarmonics);
+        ASSERT_EQ(read->getSkyLight().keyLights.size(), 2u);
+        EXPECT_EQ(read->getSkyLight().keyLights[0].highest, 50.0);
+        EXPECT_EQ(read->getSkyLight().keyLights[1].azimuth, -33.5);
+        EXPECT_EQ(read->getSkyLight().keyLights[1].radiance, sky.keyLights[1].radiance);
         EXPECT_EQ(read->getSettings().azimuths, 64);
         EXPECT_EQ(read->getSettings().quality, HorizonQuality::Best);
         EXPECT_EQ(read->getSettings().exposure, -1.5);
