@@ -19,6 +19,7 @@
 
 #include <OpenThreads/Mutex>
 
+#include <map>
 #include <vector>
 
 namespace osgTerrainLight
@@ -37,7 +38,8 @@ enum class SkyViewDefinition
 /// Setters may be called from any thread; update() and the read functions need the current context
 /// of their state. Stages: heights (they have been set), horizon (a sky or a bounce is on), sky (a
 /// sky is on), sun (a sun is on and not wholly below the horizontal), shade, pyramid and bounce
-/// (bounces are on, and there is what they would bounce).
+/// (bounces are on, and there is what they would bounce), indirect (bounces are not computed in
+/// every update: adds those that were).
 class OSGTERRAINLIGHT_EXPORT TileLighting : public osg::Referenced
 {
 public:
@@ -74,7 +76,8 @@ public:
     /// Every stage runs again, in every context: its shader may be another.
     void recompute();
 
-    /// Runs the stages whose inputs have changed in this context.
+    /// Runs the stages whose inputs have changed in this context. With a bounceInterval above 1 the
+    /// tile may be dirty afterwards: the next update, if nothing changes before, mends that.
     Status update(osg::State& state);
     bool isDirty(unsigned contextID) const;
 
@@ -119,6 +122,8 @@ private:
     Status runShade(osg::State& state);
     Status runPyramid(osg::State& state);
     Status runBounce(osg::State& state);
+    bool sumNeeded() const { return bounceNeeded() && _settings.bounceInterval > 1; }
+    PassChain::Turn bounceTurn(unsigned contextID);
 
     mutable OpenThreads::Mutex _mutex;
     DemTile _tile;
@@ -128,6 +133,17 @@ private:
 
     mutable PassChain _chain;
     PassChain::Value _heightsValue, _settingsValue, _sunPlaceValue, _lightValue, _bounceValue;
+    PassChain::Value _shadeOutput;
+
+    /// When bounces are computed in a context, where that is not in every update.
+    struct Pace
+    {
+        unsigned updates = 0; ///< that changed light
+        bool due = false;     ///< more than light has changed, or light stands still
+        bool waits = false;   ///< the bounces are those of an earlier light
+    };
+    std::map<unsigned, Pace> _paces;
+    const unsigned _turn; ///< so that tiles do not all compute theirs in the same update
 
     osg::ref_ptr<osg::Texture2D> _heights;
     osg::ref_ptr<osg::Texture2D> _posts; ///< where heights come from; null: from _tile, for good
@@ -141,7 +157,8 @@ private:
     osg::ref_ptr<GpuPass> _skyPass;
     osg::ref_ptr<GpuPass> _shadePass;
     osg::ref_ptr<Bounces> _bounce;
-    Raster<Rgb> _albedo; ///< empty: the settings'
+    osg::ref_ptr<LightSum> _sum; ///< of the bounces, where they are not computed in every update
+    Raster<Rgb> _albedo;         ///< empty: the settings'
     bool _albedoIsBlack = false;
     osg::ref_ptr<osg::Texture2D> _albedoTexture;
     osg::ref_ptr<osg::Texture2D> _nothing; ///< one texel, stands for the texture of an absent stage
