@@ -676,10 +676,11 @@ Mode addBench(CLI::App& tool)
     addLimitedNumbers(
         *app, "--seed", "N", {{"seed", 0.0, 4294967295.0, true}}, "Which random posts; default 1",
         [options](const auto& v) { options->seed = static_cast<std::uint32_t>(v[0]); });
-    addLimitedNumbers(*app, "--repeats", "N", {{"repeats", 1.0, 1000.0, true}},
-                      "Rounds, in each of which every row runs twice, the first time to warm up (once "
-                      "where that takes 20 s); times are medians; default 5",
-                      [options](const auto& v) { options->repeats = static_cast<int>(v[0]); });
+    addLimitedNumbers(
+        *app, "--repeats", "N", {{"repeats", 1.0, 1000.0, true}},
+        "Rounds, in each of which every row runs twice, the first time to warm up (once "
+        "where that takes 20 s); times are medians; default 5",
+        [options](const auto& v) { options->repeats = static_cast<int>(v[0]); });
     app->add_option("--csv", options->csv, "Table to write, a line per row")->type_name("FILE");
     app->add_option("--json", options->json, "The same with device, date and terrain")
         ->type_name("FILE");

@@ -195,8 +195,8 @@ set xlabel 'posts'
 set logscale x
 set xtics auto
 set xrange [*:*]
-set key outside bottom center maxcols 2
-set title 'cost against posts, one bounce; dotted: proportional'
+set key below maxcols 2
+set title 'cost against posts, one bounce'
 set xrange [${sizes[0]}**2/1.5:${sizes[-1]}**2*1.5]
 plot $byPosts
 unset multiplot
@@ -223,6 +223,8 @@ MARKDOWN
     echo "The GPU is a program here: read its rates as ratios, not beside the paper's."
   echo
   echo "![cost against bounces and posts](images/table_1.svg)"
+  echo
+  echo "Lines on the left are least squares; dotted lines on the right are proportional to the posts."
   echo
   echo "## The paper's method: \`legendre\` at \`draft\`, which has its k = 4"
   echo
