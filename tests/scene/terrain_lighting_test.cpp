@@ -492,6 +492,7 @@ TEST(TerrainLighting, GoesThroughAFileAndBack)
     settings.azimuths = 64;
     settings.quality = HorizonQuality::Best;
     settings.exposure = -1.5;
+    settings.bounceInterval = 7;
     lighting->setSettings(settings);
     lighting->setLightEnabled(false);
     lighting->setTextureUnit(5);
@@ -512,6 +513,7 @@ TEST(TerrainLighting, GoesThroughAFileAndBack)
         EXPECT_TRUE(read->getSkyLight().sunEnabled);
         EXPECT_EQ(read->getSkyLight().sunIrradiance, sky.sunIrradiance);
         EXPECT_EQ(read->getSettings().azimuths, 64);
+        EXPECT_EQ(read->getSettings().bounceInterval, 7);
         EXPECT_EQ(read->getSettings().quality, HorizonQuality::Best);
         EXPECT_EQ(read->getSettings().exposure, -1.5);
         EXPECT_FALSE(read->getLightEnabled());
