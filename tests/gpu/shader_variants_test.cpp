@@ -25,6 +25,8 @@ struct Variant
 
 /// Every combination of defines in use. One that is not listed does not exist.
 const std::vector<Variant> variants = {
+    {"add_light", {}},
+    {"add_light", {"SHADING"}},
     {"bounce", {}},
     {"bounce", {"COARSE"}},
     {"bounce", {"DIRECT"}},

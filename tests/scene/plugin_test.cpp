@@ -76,7 +76,7 @@ TEST(Plugin, TakesOptions)
 {
     auto result = read(dem + ".terrainlight",
                        "sun_azimuth=120 sun_elevation=12.5 azimuths=16 quality=draft exposure=-1 "
-                       "light=sun sun_irradiance=1,2,3 sky_radiance=0.5");
+                       "light=sun sun_irradiance=1,2,3 sky_radiance=0.5 bounce_interval=4");
     TerrainLighting* lighting = lightingOf(result);
     ASSERT_TRUE(lighting) << result.message();
     EXPECT_EQ(lighting->getSkyLight().sunAzimuth, 120.0);
@@ -87,6 +87,7 @@ TEST(Plugin, TakesOptions)
     EXPECT_EQ(lighting->getSettings().azimuths, 16);
     EXPECT_EQ(lighting->getSettings().quality, HorizonQuality::Draft);
     EXPECT_EQ(lighting->getSettings().exposure, -1.0);
+    EXPECT_EQ(lighting->getSettings().bounceInterval, 4);
     auto lights = read(dem + ".terrainlight", "key_lights=300,30,20,50,6,4,2;80,60,-10,10 "
                                               "sky_harmonics=1,0,0.5,0");
     lighting = lightingOf(lights);

@@ -54,13 +54,14 @@ Status setNumbers(LightParameters& parameters, const ParameterRange& range, cons
                   : range.name == "sky-radiance" ? &parameters.sky.skyRadiance
                   : range.name == "albedo"       ? &parameters.settings.albedo
                                                  : nullptr;
-    const Error bad = refused(name, text,
-                              (colour                        ? "one number or three, "
-                               : range.name == "azimuths"    ? "a multiple of 4, "
-                               : range.name == "subsampling" ? "a power of 2, "
-                               : range.name == "bounces"     ? "a whole number, "
-                                                             : "a number, ") +
-                                  rangeOf(range));
+    const Error bad =
+        refused(name, text,
+                (colour                        ? "one number or three, "
+                 : range.name == "azimuths"    ? "a multiple of 4, "
+                 : range.name == "subsampling" ? "a power of 2, "
+                 : range.name == "bounces" || range.name == "bounce-interval" ? "a whole number, "
+                                                                              : "a number, ") +
+                    rangeOf(range));
     const std::vector<double> values = numbersIn(text);
     if (values.size() != 1 && !(colour && values.size() == 3))
         return bad;
@@ -77,6 +78,8 @@ Status setNumbers(LightParameters& parameters, const ParameterRange& range, cons
         parameters.settings.bounces = static_cast<int>(value);
     else if (range.name == "subsampling")
         parameters.settings.subsampling = static_cast<int>(value);
+    else if (range.name == "bounce-interval")
+        parameters.settings.bounceInterval = static_cast<int>(value);
     else if (range.name == "exposure")
         parameters.settings.exposure = value;
     else if (range.name == "sun-azimuth")
@@ -332,6 +335,7 @@ std::string complaint(const LightingSettings& settings)
     std::vector<std::string> found = {complaintOf("azimuths", settings.azimuths),
                                       complaintOf("bounces", settings.bounces),
                                       complaintOf("subsampling", settings.subsampling),
+                                      complaintOf("bounce-interval", settings.bounceInterval),
                                       complaintOf("exposure", settings.exposure)};
     for (const float channel : settings.albedo)
         found.push_back(complaintOf("albedo", static_cast<double>(channel)));

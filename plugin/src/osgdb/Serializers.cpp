@@ -140,6 +140,7 @@ static bool readSettings(osgDB::InputStream& is, osgTerrainLight::TerrainLightin
         OSG_WARN << "osgTerrainLight: bounce method " << method << " read from file: needs slices, "
                  << "legendre or legendre-bspline" << std::endl;
     is >> is.PROPERTY("Subsampling") >> settings.subsampling;
+    is >> is.PROPERTY("BounceInterval") >> settings.bounceInterval;
     is >> is.PROPERTY("Albedo");
     for (float& channel : settings.albedo)
         is >> channel;
@@ -161,6 +162,7 @@ static bool writeSettings(osgDB::OutputStream& os, const osgTerrainLight::Terrai
     os << os.PROPERTY("Bounces") << settings.bounces << std::endl;
     os << os.PROPERTY("BounceMethod") << std::string(toString(settings.bounceMethod)) << std::endl;
     os << os.PROPERTY("Subsampling") << settings.subsampling << std::endl;
+    os << os.PROPERTY("BounceInterval") << settings.bounceInterval << std::endl;
     os << os.PROPERTY("Albedo");
     for (const float channel : settings.albedo)
         os << channel;

@@ -10,6 +10,7 @@
 #include <osg/GLExtensions>
 
 #include <algorithm>
+#include <atomic>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -28,6 +29,13 @@ bool isBlack(const Rgb& albedo)
     return std::all_of(albedo.begin(), albedo.end(), [](float a) { return a <= 0.0f; });
 }
 
+/// 0, 1, 2, …: tiles made one after another take turns.
+unsigned nextTurn()
+{
+    static std::atomic<unsigned> next{0};
+    return next++;
+}
+
 osg::Vec3f vec3(const Rgb& c)
 {
     return {c[0], c[1], c[2]};
@@ -36,7 +44,7 @@ osg::Vec3f vec3(const Rgb& c)
 
 TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings,
                            const SkyLight& sky, SkyViewDefinition definition)
-    : _tile(tile), _settings(settings), _sky(sky), _definition(definition),
+    : _tile(tile), _settings(settings), _sky(sky), _definition(definition), _turn(nextTurn()),
       _skyPass(new GpuPass("sky_view")), _shadePass(new GpuPass("shade"))
 {
     _shading = createTarget(_tile.width(), _tile.height(), GL_RGBA16F_ARB);
@@ -123,7 +131,7 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                          : 0;
          },
          [this] { _key = nullptr; }});
-    const auto shade =
+    _shadeOutput =
         _chain.addStage({"shade",
                          // Bounces are added to what this writes, so it runs before each.
                          {skyView, sun, key, _lightValue, _bounceValue, heights},
@@ -137,18 +145,31 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                                           [this](osg::State& state) { return runPyramid(state); },
                                           [] { return std::size_t(0); },
                                           [] {}});
-    _chain.addStage({"bounce",
-                     {horizon, pyramid, shade},
-                     [this] { return bounceNeeded(); },
-                     [this](osg::State& state) { return runBounce(state); },
-                     [this] {
-                         return (_bounce ? _bounce->bytes() : 0) +
-                                (_albedoTexture ? textureBytes(*_albedoTexture) : 0);
-                     },
-                     [this]
-                     {
-                         _bounce = nullptr;
-                         _albedoTexture = nullptr;
+    const auto bounce =
+        _chain.addStage({"bounce",
+                         {horizon, pyramid, _shadeOutput},
+                         [this] { return bounceNeeded(); },
+                         [this](osg::State& state) { return runBounce(state); },
+                         [this] {
+                             return (_bounce ? _bounce->bytes() : 0) +
+                                    (_albedoTexture ? textureBytes(*_albedoTexture) : 0);
+                         },
+                         [this]
+                         {
+                             _bounce = nullptr;
+                             _albedoTexture = nullptr;
+                         },
+                         [this](unsigned contextID) { return bounceTurn(contextID); }});
+    _chain.addStage({"indirect",
+                     {_shadeOutput, bounce},
+                     [this] { return sumNeeded(); },
+                     [this](osg::State& state) { return _sum->addTo(state, _shading); },
+                     [this] { return _sum ? textureBytes(*_sum->texture()) : 0; },
+                     [this] { _sum = nullptr; },
+                     // Bounces that have just been computed are in the shading.
+                     [this](unsigned contextID) {
+                         return _paces[contextID].waits ? PassChain::Turn::Run
+                                                        : PassChain::Turn::Skip;
                      }});
 }
 
@@ -176,6 +197,8 @@ void TileLighting::setSettings(const LightingSettings& settings)
         _bounce = nullptr;
         _chain.touch(_bounceValue);
     }
+    if (settings.bounceInterval != _settings.bounceInterval)
+        _chain.touch(_bounceValue);
     if (settings.bounces != _settings.bounces || settings.albedo != _settings.albedo)
     {
         _albedoTexture = nullptr;
@@ -297,7 +320,25 @@ void TileLighting::recompute()
 Status TileLighting::update(osg::State& state)
 {
     Lock lock(_mutex);
+    const unsigned id = state.getContextID();
+    Pace& pace = _paces[id];
+    if (pace.waits && sumNeeded() && !_chain.isDirty(id, _shadeOutput))
+    {
+        // Light stands still. The shading holds earlier bounces: it begins anew, too.
+        pace.due = true;
+        _chain.forget(id, _shadeOutput);
+    }
     return _chain.run(state);
+}
+
+PassChain::Turn TileLighting::bounceTurn(unsigned contextID)
+{
+    Pace& pace = _paces[contextID];
+    ++pace.updates;
+    const unsigned interval = static_cast<unsigned>(_settings.bounceInterval);
+    pace.waits = !pace.due && (pace.updates + _turn) % interval != 0;
+    pace.due = false;
+    return pace.waits ? PassChain::Turn::Wait : PassChain::Turn::Run;
 }
 
 bool TileLighting::isDirty(unsigned contextID) const
@@ -402,6 +443,8 @@ Status TileLighting::runShade(osg::State& state)
 
 Status TileLighting::runPyramid(osg::State& state)
 {
+    // It runs where anything but light has changed that bounces depend on.
+    _paces[state.getContextID()].due = true;
     if (!_bounce && _settings.bounceMethod == BounceMethod::Slices)
         _bounce =
             new BouncePass(_tile, _heights, _eastSpacings, BounceScheme::of(_settings.quality),
@@ -420,6 +463,9 @@ Status TileLighting::runBounce(osg::State& state)
         _albedoTexture =
             createColourTexture(_albedo.size() ? _albedo : Raster<Rgb>(1, 1, _settings.albedo));
     _bounce->setAreaLights(areaLights());
+    if (sumNeeded() && !_sum)
+        _sum = new LightSum(width(), height());
+    _bounce->keepSum(sumNeeded() ? _sum.get() : nullptr);
     Status done =
         _bounce->dispatch(state, _settings.bounces, _sky, _horizon ? _horizon->horizon() : nullptr,
                           _albedoTexture, _shading);
@@ -483,6 +529,8 @@ std::vector<StageCost> TileLighting::costs() const
     std::vector<StageCost> costs = _chain.costs();
     if (!_posts)
         costs.erase(costs.begin()); // heights that nothing changes have no stage
+    if (!sumNeeded() && costs.back().dispatches == 0)
+        costs.pop_back(); // nor have bounces that are never kept
     return costs;
 }
 
@@ -511,6 +559,8 @@ void TileLighting::releaseGLObjects(osg::State* state) const
         _ownHeights->releaseGLObjects(state);
     if (_bounce)
         _bounce->releaseGLObjects(state);
+    if (_sum)
+        _sum->releaseGLObjects(state);
     for (const auto& texture :
          {_heights, _eastSpacings, _skyView, _shading, _albedoTexture, _nothing})
         if (texture)
@@ -532,6 +582,8 @@ void TileLighting::resizeGLObjectBuffers(unsigned size)
         _posts->resizeGLObjectBuffers(size);
     if (_bounce)
         _bounce->resizeGLObjectBuffers(size);
+    if (_sum)
+        _sum->resizeGLObjectBuffers(size);
     for (const auto& texture :
          {_heights, _eastSpacings, _skyView, _shading, _albedoTexture, _nothing})
         if (texture)

@@ -21,6 +21,7 @@
 
 #include <OpenThreads/Mutex>
 
+#include <map>
 #include <vector>
 
 namespace osgTerrainLight
@@ -40,7 +41,8 @@ enum class SkyViewDefinition
 /// of their state. Stages: heights (they have been set), horizon (a sky or a bounce is on), table
 /// (a sky in harmonics is on), sky (a sky is on), sun (a sun is on and not wholly below the
 /// horizontal), key (a key light is above the horizontal and not black), shade, pyramid and bounce
-/// (bounces are on, and there is what they would bounce).
+/// (bounces are on, and there is what they would bounce), indirect (bounces are not computed in
+/// every update: adds those that were).
 class OSGTERRAINLIGHT_EXPORT TileLighting : public osg::Referenced
 {
 public:
@@ -80,7 +82,8 @@ public:
     /// Every stage runs again, in every context: its shader may be another.
     void recompute();
 
-    /// Runs the stages whose inputs have changed in this context.
+    /// Runs the stages whose inputs have changed in this context. With a bounceInterval above 1 the
+    /// tile may be dirty afterwards: the next update, if nothing changes before, mends that.
     Status update(osg::State& state);
     bool isDirty(unsigned contextID) const;
 
@@ -130,6 +133,8 @@ private:
     Status runShade(osg::State& state);
     Status runPyramid(osg::State& state);
     Status runBounce(osg::State& state);
+    bool sumNeeded() const { return bounceNeeded() && _settings.bounceInterval > 1; }
+    PassChain::Turn bounceTurn(unsigned contextID);
 
     mutable OpenThreads::Mutex _mutex;
     DemTile _tile;
@@ -140,6 +145,17 @@ private:
     mutable PassChain _chain;
     PassChain::Value _heightsValue, _settingsValue, _harmonicsValue, _sunPlaceValue, _keyPlaceValue,
         _lightValue, _bounceValue;
+    PassChain::Value _shadeOutput;
+
+    /// When bounces are computed in a context, where that is not in every update.
+    struct Pace
+    {
+        unsigned updates = 0; ///< that changed light
+        bool due = false;     ///< more than light has changed, or light stands still
+        bool waits = false;   ///< the bounces are those of an earlier light
+    };
+    std::map<unsigned, Pace> _paces;
+    const unsigned _turn; ///< so that tiles do not all compute theirs in the same update
 
     osg::ref_ptr<osg::Texture2D> _heights;
     osg::ref_ptr<osg::Texture2D> _posts; ///< where heights come from; null: from _tile, for good
@@ -155,7 +171,8 @@ private:
     osg::ref_ptr<GpuPass> _skyPass;
     osg::ref_ptr<GpuPass> _shadePass;
     osg::ref_ptr<Bounces> _bounce;
-    Raster<Rgb> _albedo; ///< empty: the settings'
+    osg::ref_ptr<LightSum> _sum; ///< of the bounces, where they are not computed in every update
+    Raster<Rgb> _albedo;         ///< empty: the settings'
     bool _albedoIsBlack = false;
     osg::ref_ptr<osg::Texture2D> _albedoTexture;
     osg::ref_ptr<osg::Texture2D> _nothing; ///< one texel, stands for the texture of an absent stage

@@ -288,6 +288,8 @@ Status BouncePass::dispatch(osg::State& state, int bounces, const SkyLight& sky,
             done = (bounce == 0 ? _firstBounce : _nextBounce)->dispatch(state, coarse);
         if (done && _upsample)
             done = _upsample->dispatch(state, groups);
+        if (done)
+            done = keep(state, bounce);
     }
     return done;
 }

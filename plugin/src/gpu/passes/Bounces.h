@@ -4,6 +4,7 @@
 #include <osgTerrainLight/SkyLight.h>
 
 #include "core/Result.h"
+#include "gpu/GpuPass.h"
 
 #include <osg/Referenced>
 #include <osg/State>
@@ -16,8 +17,32 @@
 namespace osgTerrainLight
 {
 
-class GpuPass;
 struct AreaLights;
+
+/// Adds the light of bounces, post by post: shaders/passes/add_light.comp.
+class OSGTERRAINLIGHT_EXPORT LightSum : public osg::Referenced
+{
+public:
+    LightSum(int width, int height);
+
+    /// The kept sum, RGBA16F: irradiance / π of all bounces.
+    osg::Texture2D* texture() const { return _sum; }
+
+    /// The sum is this bounce, the first, or grows by it.
+    Status add(osg::State& state, osg::Texture2D* light, bool first);
+    /// Adds the sum to a shading texture.
+    Status addTo(osg::State& state, osg::Texture2D* shading);
+
+    void releaseGLObjects(osg::State* state) const;
+    void resizeGLObjectBuffers(unsigned size);
+
+private:
+    ~LightSum() override = default;
+
+    GpuPass::Groups _groups;
+    osg::ref_ptr<osg::Texture2D> _sum;
+    osg::ref_ptr<GpuPass> _add, _addToShading;
+};
 
 /// A way to compute diffuse bounces of light between the posts of a tile.
 class OSGTERRAINLIGHT_EXPORT Bounces : public osg::Referenced
@@ -40,6 +65,9 @@ public:
     /// RGBA16F: irradiance / π of the last bounce.
     virtual osg::Texture2D* light() const = 0;
 
+    /// dispatch() leaves the sum of its bounces there, too. Null: nowhere.
+    void keepSum(LightSum* sum) { _sum = sum; }
+
     /// All textures [bytes].
     std::size_t bytes() const;
 
@@ -50,6 +78,12 @@ protected:
     ~Bounces() override = default;
     virtual std::vector<osg::Texture2D*> textures() const = 0;
     virtual std::vector<GpuPass*> passes() const = 0;
+
+    /// To be called after each bounce, 0, 1, …
+    Status keep(osg::State& state, int bounce);
+
+private:
+    osg::ref_ptr<LightSum> _sum;
 };
 
 } // namespace osgTerrainLight

@@ -85,6 +85,8 @@ Status LegendreBouncePass::dispatch(osg::State& state, int bounces, const SkyLig
                                  _radiancePyramid);
         if (done)
             done = _bounce->dispatch(state, groups);
+        if (done)
+            done = keep(state, bounce);
     }
     return done;
 }
