@@ -649,4 +649,5 @@ TEST(AreaLights, LimitsThatAreKnown)
     for (std::size_t i = 0; i < light.size(); ++i)
         for (unsigned c = 0; c < 3; ++c)
             ASSERT_EQ(light.values()[i][c], -opposite.values()[i][c]);
+    EXPECT_EQ(takeGlErrors(), "");
 }
