@@ -6,20 +6,21 @@
 #ifdef SKY_TABLE
 #define SkyShare vec3
 
-// RGBA32F, layers red, green, blue, column k: xyz = the vector whose product with a normal is the
-// irradiance, over pi, of slice k from the zenith down to row / (rows - 1) * 90 degrees.
-uniform sampler2DArray skyTable;
+// RGBA32F, a third of the rows each for red, green, blue, column k: xyz = the vector whose product with a normal is the
+// irradiance, over pi, of slice k from the zenith down to row / (rows of a third - 1) * 90 degrees.
+uniform sampler2D skyTable;
 
 // What slice k gives above a horizon. The filter's weights have 8 bits, of a row: fine enough.
 SkyShare skyShare(Angle elevation, vec3 normal, float cosine, float sine, Angle width, int k)
 {
     Angle plane = planeZenithAngle(normal.z, normal.x * cosine + normal.y * sine);
     Angle theta = min(HALF_PI - max(elevation, 0.0), plane);
-    vec2 size = vec2(textureSize(skyTable, 0).xy);
-    vec2 place = (vec2(k, theta / HALF_PI * (size.y - 1.0)) + 0.5) / size;
+    vec2 size = vec2(textureSize(skyTable, 0));
+    float rows = size.y / 3.0;
+    vec2 place = vec2(k, theta / HALF_PI * (rows - 1.0)) + 0.5;
     vec3 light;
     for (int c = 0; c < 3; ++c)
-        light[c] = dot(normal, textureLod(skyTable, vec3(place, c), 0.0).xyz);
+        light[c] = dot(normal, textureLod(skyTable, (place + vec2(0.0, rows * float(c))) / size, 0.0).xyz);
     return light;
 }
 #else

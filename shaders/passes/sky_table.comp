@@ -7,9 +7,9 @@ layout(local_size_x = 16) in;
 // RGBA32F, rgb = radiance of a texel: columns counter-clockwise from east, an even number per slice;
 // rows upwards from the horizontal to the zenith; both of equal angles.
 uniform sampler2D sky;
-// Layers red, green, blue; column k = slice about 2*pi*k/m from east; row 0 is the zenith, the last one
-// the horizontal. xyz over pi.
-layout(rgba32f, binding = 0) writeonly uniform image2DArray skyTable;
+// A third of the rows each for red, green, blue; column k = slice about 2*pi*k/m from east; a third's first
+// row is the zenith, its last one the horizontal. xyz over pi.
+layout(rgba32f, binding = 0) writeonly uniform image2D skyTable;
 uniform int azimuths;
 
 void main()
@@ -22,7 +22,7 @@ void main()
     float width = 2.0 * PI / float(size.x);
     mat3 sum = mat3(0.0); // a vector per colour
     for (int c = 0; c < 3; ++c)
-        imageStore(skyTable, ivec3(k, 0, c), vec4(0.0));
+        imageStore(skyTable, ivec2(k, c * (size.y + 1)), vec4(0.0));
     for (int row = 0; row < size.y; ++row)
     {
         // The integrals of cos sin and of sin^2 over the row, halved, and of 1, cos and sin over a column.
@@ -42,6 +42,6 @@ void main()
                 sum[c] += radiance[c] * vector;
         }
         for (int c = 0; c < 3; ++c)
-            imageStore(skyTable, ivec3(k, row + 1, c), vec4(sum[c] / PI, 0.0));
+            imageStore(skyTable, ivec2(k, c * (size.y + 1) + row + 1), vec4(sum[c] / PI, 0.0));
     }
 }

@@ -5,6 +5,7 @@
 #include "core/KeySlices.h"
 #include "gpu/GpuPass.h"
 
+#include <osg/Texture2D>
 #include <osg/Texture2DArray>
 
 #include <string>
@@ -20,7 +21,7 @@ OSGTERRAINLIGHT_EXPORT Rgb skyGain(const SkyLight& sky);
 struct OSGTERRAINLIGHT_EXPORT AreaLights
 {
     /// Of SkyTablePass; null where the sky is uniform or off.
-    osg::ref_ptr<osg::Texture2DArray> skyTable;
+    osg::ref_ptr<osg::Texture2D> skyTable;
     /// Elevation codes, a layer per slice; null where no key light lights anything.
     osg::ref_ptr<osg::Texture2DArray> keyHorizon;
     std::vector<KeySlices> keys;

@@ -20,7 +20,7 @@ int columnsFor(int azimuths)
 
 SkyTablePass::SkyTablePass(int azimuths, int rows)
     : _azimuths(azimuths), _sky(createTarget(columnsFor(azimuths), rows, GL_RGBA32F_ARB)),
-      _table(createLayeredTarget(azimuths, rows + 1, 3, GL_RGBA32F_ARB)),
+      _table(createTarget(azimuths, 3 * (rows + 1), GL_RGBA32F_ARB)),
       _harmonics(new GpuPass("sky_harmonics")), _sum(new GpuPass("sky_table"))
 {
     _harmonics->writes(0, _sky);

@@ -7,7 +7,6 @@
 #include "gpu/GpuPass.h"
 
 #include <osg/Texture2D>
-#include <osg/Texture2DArray>
 
 #include <cstddef>
 #include <vector>
@@ -27,8 +26,8 @@ public:
     /// The table of a sky in spherical harmonics: 1, 4, 9 or 16 coefficients.
     Status dispatch(osg::State& state, const std::vector<Rgb>& harmonics);
 
-    /// RGBA32F, azimuths × (rows + 1), layers red, green, blue: lights.glsl says what of.
-    osg::Texture2DArray* table() const { return _table; }
+    /// RGBA32F, azimuths × 3 (rows + 1): lights.glsl says what of.
+    osg::Texture2D* table() const { return _table; }
 
     /// All textures [bytes].
     std::size_t bytes() const;
@@ -41,7 +40,7 @@ private:
 
     int _azimuths;
     osg::ref_ptr<osg::Texture2D> _sky; ///< radiance by azimuth and elevation
-    osg::ref_ptr<osg::Texture2DArray> _table;
+    osg::ref_ptr<osg::Texture2D> _table;
     osg::ref_ptr<GpuPass> _harmonics, _sum;
 };
 
