@@ -4,7 +4,6 @@
 // again.
 #include "core/SyntheticTerrain.h"
 #include "gpu/Textures.h"
-#include "gpu/passes/HorizonPass.h"
 #include "gpu/passes/LegendreBouncePass.h"
 #include "scene/TileLighting.h"
 #include "support/AnalyticTerrain.h"
@@ -34,9 +33,8 @@ struct Bounce
     Raster<osg::Vec4f> light, shading;
 };
 
-Raster<osg::Vec4f> coloursOf(osg::State& state, osg::Texture2D& texture, const DemTile& tile)
+Raster<osg::Vec4f> coloursOf(const std::vector<float>& values, const DemTile& tile)
 {
-    const std::vector<float> values = readFloats(state, texture, 4);
     Raster<osg::Vec4f> colours(tile.width(), tile.height());
     for (std::size_t i = 0; i < colours.size(); ++i)
         colours.values()[i] =
@@ -47,24 +45,24 @@ Raster<osg::Vec4f> coloursOf(osg::State& state, osg::Texture2D& texture, const D
 /// `bounces` bounces of ground that sends out `sent` at first; its albedo is `sent` too.
 Bounce onGpu(osg::State& state, const DemTile& tile, const Colours& sent,
              const BounceScheme& scheme, int azimuths, AzimuthBlend blend = AzimuthBlend::Linear,
-             int bounces = 1)
+             int bounces = 1, int stride = 1)
 {
-    const osg::ref_ptr<osg::Texture2D> heights = createHeightTexture(tile, HorizonPass::frame);
-    Raster<float> spacings(1, tile.height());
-    for (int y = 0; y < tile.height(); ++y)
-        spacings.at(0, y) = static_cast<float>(tile.eastSpacing(y));
-    const osg::ref_ptr<osg::Texture2D> eastSpacings = createFloatTexture(spacings);
+    const osg::ref_ptr<HeightPyramid> pyramid =
+        new HeightPyramid(tile, createHeightTexture(tile, 1), 1);
+    const osg::ref_ptr<osg::Texture2D> eastSpacings = createSpacingTexture(tile);
     const osg::ref_ptr<osg::Texture2D> albedo = createColourTexture(sent);
     const osg::ref_ptr<osg::Texture2D> shading =
         createColourTexture(Colours(tile.width(), tile.height(), {1.0f, 1.0f, 1.0f}));
-    const osg::ref_ptr<LegendreBouncePass> pass =
-        new LegendreBouncePass(tile, heights, eastSpacings, scheme, azimuths, blend);
-    Status done = pass->dispatchHeights(state);
+    const osg::ref_ptr<LegendreBouncePass> pass = new LegendreBouncePass(
+        tile, *pyramid, eastSpacings, {scheme, azimuths, blend, stride}, bounces);
+    Status done = pyramid->dispatch(state);
     if (done)
         done = pass->dispatch(state, bounces, SkyLight(), nullptr, albedo, shading);
     EXPECT_TRUE(done.ok()) << (done ? "" : done.error().message);
+    const Result<std::vector<float>> light = pass->readLight(state);
+    EXPECT_TRUE(light.ok());
     EXPECT_EQ(takeGlErrors(), "");
-    return {coloursOf(state, *pass->light(), tile), coloursOf(state, *shading, tile)};
+    return {coloursOf(*light, tile), coloursOf(readFloats(state, *shading, 4), tile)};
 }
 
 /// (value times weight, weight), per post or texel of a level.

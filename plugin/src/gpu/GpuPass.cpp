@@ -2,8 +2,11 @@
 
 #include "gpu/GlConstants.h"
 
+#include <osg/BufferObject>
 #include <osg/GLExtensions>
 #include <osg/Shader>
+
+#include <algorithm>
 
 namespace osgTerrainLight
 {
@@ -37,6 +40,18 @@ void GpuPass::set(const std::string& uniform, int x, int y)
     osg::ref_ptr<osg::Uniform> pair = new osg::Uniform(osg::Uniform::INT_VEC2, uniform);
     pair->set(x, y);
     set(pair);
+}
+
+void GpuPass::setBlock(const std::vector<osg::Vec4f>& values)
+{
+    if (!_blockValues || _blockValues->size() != values.size())
+    {
+        _blockValues = new osg::Vec4Array(static_cast<unsigned>(values.size()));
+        _blockValues->setBufferObject(new osg::UniformBufferObject);
+        _block = new osg::UniformBufferBinding(0, _blockValues);
+    }
+    std::copy(values.begin(), values.end(), _blockValues->begin());
+    _blockValues->dirty();
 }
 
 unsigned GpuPass::groupsFor(int count, int size)
@@ -102,6 +117,8 @@ Status GpuPass::dispatch(osg::State& state, Groups groups)
     const osg::Program::PerContextProgram* linked = _program->getPCP(state);
     for (const auto& [name, uniform] : _uniforms)
         linked->apply(*uniform);
+    if (_block)
+        _block->apply(state);
 
     for (std::size_t unit = 0; unit < _outputs.size(); ++unit)
     {
@@ -121,6 +138,11 @@ Status GpuPass::dispatch(osg::State& state, Groups groups)
     extensions->glUseProgram(0);
     state.setLastAppliedProgramObject(nullptr);
     state.haveAppliedAttribute(osg::StateAttribute::PROGRAM);
+    if (_block)
+    {
+        extensions->glBindBufferBase(GL_UNIFORM_BUFFER, 0, 0);
+        state.haveAppliedAttribute(osg::StateAttribute::UNIFORMBUFFERBINDING, 0);
+    }
     for (std::size_t unit = 0; unit <= _inputs.size(); ++unit)
         state.haveAppliedTextureAttribute(static_cast<unsigned>(unit),
                                           osg::StateAttribute::TEXTURE);
@@ -131,12 +153,16 @@ void GpuPass::releaseGLObjects(osg::State* state) const
 {
     if (_program)
         _program->releaseGLObjects(state);
+    if (_blockValues)
+        _blockValues->releaseGLObjects(state);
 }
 
 void GpuPass::resizeGLObjectBuffers(unsigned size)
 {
     if (_program)
         _program->resizeGLObjectBuffers(size);
+    if (_blockValues)
+        _blockValues->resizeGLObjectBuffers(size);
 }
 
 } // namespace osgTerrainLight

@@ -5,6 +5,8 @@
 #include "core/Result.h"
 #include "gpu/ShaderLibrary.h"
 
+#include <osg/Array>
+#include <osg/BufferIndexBinding>
 #include <osg/Program>
 #include <osg/Referenced>
 #include <osg/State>
@@ -53,6 +55,11 @@ public:
     void set(const std::string& uniform, int x, int y);
     void set(osg::Uniform* uniform) { _uniforms[uniform->getName()] = uniform; }
 
+    /// The contents of the shader's uniform block, if it has one: binding 0, layout std140, arrays
+    /// of vec4, as many values as the block declares. Tables belong there: OpenGL guarantees a
+    /// compute shader 256 vectors in plain uniforms, and 1024 in a block.
+    void setBlock(const std::vector<osg::Vec4f>& values);
+
     struct Groups
     {
         unsigned x = 1, y = 1, z = 1;
@@ -88,6 +95,8 @@ private:
     std::vector<Input> _inputs;
     std::vector<Output> _outputs;
     std::map<std::string, osg::ref_ptr<osg::Uniform>> _uniforms;
+    osg::ref_ptr<osg::Vec4Array> _blockValues;
+    osg::ref_ptr<osg::UniformBufferBinding> _block;
     osg::ref_ptr<osg::Program> _program;
     std::vector<ComposedShader::Part> _parts;
     long long _revision = -1;

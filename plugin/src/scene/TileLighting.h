@@ -12,7 +12,9 @@
 #include "gpu/HeightTexture.h"
 #include "gpu/PassChain.h"
 #include "gpu/passes/Bounces.h"
+#include "gpu/passes/HeightPyramid.h"
 #include "gpu/passes/HorizonPass.h"
+#include "gpu/passes/LegendreDirectPass.h"
 
 #include <osg/Referenced>
 #include <osg/Texture2D>
@@ -36,8 +38,10 @@ enum class SkyViewDefinition
 ///
 /// Setters may be called from any thread; update() and the read functions need the current context
 /// of their state. Stages: heights (they have been set), horizon (a sky or a bounce is on), sky (a
-/// sky is on), sun (a sun is on and not wholly below the horizontal), shade, pyramid and bounce
-/// (bounces are on, and there is what they would bounce).
+/// sky is on), sun (a sun is on and not wholly below the horizontal), pyramid (of heights: bounces
+/// are on), shade, bounce (bounces are on, and there is what they would bounce). With a
+/// BounceMethod other than Slices, horizon, sky and sun do not exist: where there is any light,
+/// shade takes it from the pyramid.
 class OSGTERRAINLIGHT_EXPORT TileLighting : public osg::Referenced
 {
 public:
@@ -85,8 +89,9 @@ public:
     /// Read-back, all in tile order (row 0 south). Call after update().
     Raster<osg::Vec4f> readShading(osg::State& state) const;
     Raster<float>
-    readSkyView(osg::State& state) const;             ///< NaN where void; precondition: a sky is on
-    HorizonMap readHorizons(osg::State& state) const; ///< precondition: a sky is on
+    readSkyView(osg::State& state) const;             ///< NaN where void; precondition: as readHorizons
+    /// Precondition: a sky is on, and the method is Slices.
+    HorizonMap readHorizons(osg::State& state) const;
     /// Of the last bounce alone: rgb = irradiance / π, a = 1; 0 where void. Precondition: bounces
     /// are on.
     Raster<osg::Vec4f> readLastBounce(osg::State& state) const;
@@ -106,11 +111,13 @@ private:
     bool skyNeeded() const { return _sky.skyEnabled; }
     bool sunNeeded() const { return needsSun(_sky); }
     bool bounceNeeded() const;
-    bool horizonNeeded() const
-    {
-        return skyNeeded() || (bounceNeeded() && _settings.bounceMethod == BounceMethod::Slices);
-    }
-    Raster<osg::Vec4f> readColours(osg::State& state, osg::Texture2D& texture) const;
+    bool bySlices() const { return _settings.bounceMethod == BounceMethod::Slices; }
+    bool horizonNeeded() const { return bySlices() && (skyNeeded() || bounceNeeded()); }
+    /// Whether direct light is the scheme's of Nowrouzezahrai and Snyder.
+    bool legendreNeeded() const;
+    int frame() const; ///< of the heights: void posts on every side
+    void createHeights();
+    Raster<osg::Vec4f> coloursOf(const std::vector<float>& values) const;
     void setPosts(osg::Texture2D* posts);
     Status runHeights(osg::State& state);
     Status runHorizon(osg::State& state);
@@ -140,6 +147,8 @@ private:
     osg::ref_ptr<osg::Texture2D> _shading;
     osg::ref_ptr<GpuPass> _skyPass;
     osg::ref_ptr<GpuPass> _shadePass;
+    osg::ref_ptr<HeightPyramid> _pyramid;  ///< where the method is not Slices
+    osg::ref_ptr<LegendreDirectPass> _direct; ///< ditto
     osg::ref_ptr<Bounces> _bounce;
     Raster<Rgb> _albedo; ///< empty: the settings'
     bool _albedoIsBlack = false;

@@ -295,6 +295,11 @@ Status BouncePass::dispatch(osg::State& state, int bounces, const SkyLight& sky,
     return done;
 }
 
+Result<std::vector<float>> BouncePass::readLight(osg::State& state)
+{
+    return readFloats(state, *_light, 4);
+}
+
 std::vector<osg::Texture2D*> BouncePass::textures() const
 {
     std::vector<osg::Texture2D*> all = {_stepLengths, _heightPyramid, _radiancePyramid, _radiance,

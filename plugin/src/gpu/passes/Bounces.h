@@ -22,8 +22,8 @@ class GpuPass;
 class OSGTERRAINLIGHT_EXPORT Bounces : public osg::Referenced
 {
 public:
-    /// Builds the pyramid of heights.
-    virtual Status dispatchHeights(osg::State& state) = 0;
+    /// Builds the pyramid of heights, where it is its own.
+    virtual Status dispatchHeights(osg::State&) { return Nothing{}; }
 
     /// Adds `bounces` ≥ 1 bounces to `shading` (RGBA16F, irradiance / π in, and out). horizon: of
     /// as many azimuths, or null where the method needs none. albedo: a texel per post, or one for
@@ -32,8 +32,8 @@ public:
                             osg::Texture2DArray* horizon, osg::Texture2D* albedo,
                             osg::Texture2D* shading) = 0;
 
-    /// RGBA16F: irradiance / π of the last bounce.
-    virtual osg::Texture2D* light() const = 0;
+    /// Irradiance / π of the last bounce, then 1, post by post; 0 where void.
+    virtual Result<std::vector<float>> readLight(osg::State& state) = 0;
 
     /// All textures [bytes].
     std::size_t bytes() const;
