@@ -27,11 +27,14 @@ const int stride = 1;
 uniform ivec2 size; // posts
 uniform int frame;
 uniform int azimuths;
-uniform float northSpacing;   // [m]
-uniform vec4 directions[256]; // drift along the minor axis per step, look, 1 where north, -
-// Along a ray: distance [steps] and level of a sample's height, the same of the radiance between it and
-// the sample before. The first nearCount are whole steps and read posts.
-uniform vec4 samples[128];
+uniform float northSpacing; // [m]
+layout(std140, binding = 0) uniform Rays
+{
+    vec4 directions[256]; // drift along the minor axis per step, look, 1 where north, -
+    // Along a ray: distance [steps] and level of a sample's height, the same of the radiance between it
+    // and the sample before. The first nearCount are whole steps and read posts.
+    vec4 samples[128];
+};
 uniform int nearCount;
 uniform int sampleCount;
 // x, y, width, height in the pyramids' textures; the first is not used.

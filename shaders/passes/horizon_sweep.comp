@@ -21,9 +21,12 @@ uniform int frame;
 uniform int reach;
 uniform int linesPerPost;
 uniform int firstDirection; // of this dispatch
-// Per direction: signed drift along the minor axis per step of the major axis towards +, look
-// direction along the major axis (+1 or -1), 1 where the major axis is north, layer.
-uniform vec4 directions[256];
+layout(std140, binding = 0) uniform Rays
+{
+    // Signed drift along the minor axis per step of the major axis towards +, look direction along the
+    // major axis (+1 or -1), 1 where the major axis is north, layer.
+    vec4 directions[256];
+};
 
 // A hull that may need more vertices than there is room for loses every second of them, the newest
 // excepted. Between two kept vertices the hull then runs below the lost one, by no more than the lost

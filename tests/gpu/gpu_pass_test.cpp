@@ -256,6 +256,58 @@ void main()
     }
 }
 
+TEST_F(GpuPassTest, ReadsItsBlock)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    const ShaderFile file("passes/test_block.comp", R"(
+layout(local_size_x = 1) in;
+layout(r32f, binding = 0) writeonly uniform image2D result;
+layout(std140, binding = 0) uniform Table
+{
+    vec4 first[2];
+    vec4 second[3];
+};
+void main()
+{
+    int i = int(gl_GlobalInvocationID.x);
+    vec4 row = i < 2 ? first[i] : second[i - 2];
+    imageStore(result, ivec2(i, 0), vec4(dot(row, vec4(1.0, 10.0, 100.0, 1000.0))));
+}
+)");
+    const osg::ref_ptr<GpuPass> pass = new GpuPass("test_block");
+    const auto result = createTarget(5, 1, GL_R32F);
+    pass->writes(0, result);
+    // The scene's own block, in the same place.
+    const osg::ref_ptr<osg::FloatArray> theirs = new osg::FloatArray(4);
+    theirs->setBufferObject(new osg::UniformBufferObject);
+    const osg::ref_ptr<osg::StateSet> scene = new osg::StateSet;
+    scene->setAttribute(new osg::UniformBufferBinding(0, theirs));
+    for (int round = 0; round < 3; ++round)
+    {
+        std::vector<osg::Vec4f> values;
+        std::vector<float> expected;
+        for (int i = 0; i < 5; ++i)
+        {
+            values.emplace_back(float(i), float(round), 2.0f, 3.0f);
+            expected.push_back(float(i + 10 * round + 3200));
+        }
+        pass->setBlock(values);
+        const Status done = pass->dispatch(state, {5, 1, 1});
+        ASSERT_TRUE(done.ok()) << done.error().message;
+        EXPECT_EQ(readFloats(state, *result, 1), expected);
+        EXPECT_EQ(integer(GL_UNIFORM_BUFFER_BINDING), 0);
+        state.apply(scene);
+        const auto* object = theirs->getBufferObject()->getGLBufferObject(state.getContextID());
+        EXPECT_EQ(static_cast<GLuint>(integer(GL_UNIFORM_BUFFER_BINDING)), object->getGLObjectID());
+        if (round == 1)
+            pass->releaseGLObjects(&state);
+        EXPECT_EQ(takeGlErrors(), "");
+    }
+    const osg::ref_ptr<osg::StateSet> nothing = new osg::StateSet;
+    state.apply(nothing);
+}
+
 TEST_F(GpuPassTest, StateOfOsgHoldsAfterwards)
 {
     OTL_NEED_GL(context);

@@ -3,6 +3,7 @@
 #include "gpu/passes/HorizonPass.h"
 #include "support/GlContext.h"
 
+#include <osg/GLExtensions>
 #include <osg/Program>
 #include <osg/Shader>
 
@@ -130,6 +131,43 @@ TEST(ShaderVariants, EveryVariantCompilesAndLinks)
         // A warning of one driver is an error of another.
         EXPECT_EQ(shader->mapLog(log).find("warning"), std::string::npos) << shader->mapLog(log);
         program->releaseGLObjects(&context->state());
+    }
+    EXPECT_EQ(takeGlErrors(), "");
+}
+
+// OpenGL 4.3, table 23.67: MAX_COMPUTE_UNIFORM_COMPONENTS is 1024 or more. Drivers that have no
+// more exist. A vector may count as four components, an element of an array too.
+TEST(ShaderVariants, EveryVariantFitsTheUniformsThatOpenGlGuarantees)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    const auto* extensions = state.get<osg::GLExtensions>();
+    for (const Variant& variant : variants)
+    {
+        SCOPED_TRACE(nameOf(variant));
+        const Result<ComposedShader> shader =
+            ShaderLibrary("").compose("passes/" + variant.pass + ".comp", variant.defines);
+        ASSERT_TRUE(shader.ok()) << shader.error().message;
+        const osg::ref_ptr<osg::Program> program = new osg::Program;
+        program->addShader(new osg::Shader(osg::Shader::COMPUTE, shader->text));
+        program->compileGLObjects(state);
+        const GLuint handle = program->getPCP(state)->getHandle();
+        GLint count = 0;
+        extensions->glGetProgramiv(handle, GL_ACTIVE_UNIFORMS, &count);
+        GLint vectors = 0;
+        for (GLuint i = 0; i < static_cast<GLuint>(count); ++i)
+        {
+            GLint block = -1;
+            extensions->glGetActiveUniformsiv(handle, 1, &i, GL_UNIFORM_BLOCK_INDEX, &block);
+            if (block >= 0)
+                continue;
+            GLint size = 0;
+            extensions->glGetActiveUniformsiv(handle, 1, &i, GL_UNIFORM_SIZE, &size);
+            vectors += size;
+        }
+        EXPECT_GT(vectors, 0);
+        EXPECT_LE(4 * vectors, 1024);
+        program->releaseGLObjects(&state);
     }
     EXPECT_EQ(takeGlErrors(), "");
 }

@@ -16,6 +16,7 @@ namespace osgTerrainLight
 
 namespace
 {
+constexpr std::size_t maxAzimuths = 256; // the sizes of what bounce.comp declares
 constexpr std::size_t maxSamples = 128;
 constexpr std::size_t maxLevels = 16;
 
@@ -124,15 +125,13 @@ BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Textur
 
     const AzimuthSet set(azimuths);
     Raster<float> lengths(azimuths, _height);
-    osg::ref_ptr<osg::Uniform> directions =
-        new osg::Uniform(osg::Uniform::FLOAT_VEC4, "directions", 256);
+    std::vector<osg::Vec4f> rays(maxAzimuths + maxSamples); // directions, then samples
     for (int k = 0; k < azimuths; ++k)
     {
         const GridDirection grid(tile, set.direction(k));
-        directions->setElement(static_cast<unsigned>(k),
-                               osg::Vec4f(static_cast<float>(grid.drift),
-                                          static_cast<float>(grid.look), grid.north ? 1.0f : 0.0f,
-                                          0.0f));
+        rays[static_cast<std::size_t>(k)].set(static_cast<float>(grid.drift),
+                                              static_cast<float>(grid.look),
+                                              grid.north ? 1.0f : 0.0f, 0.0f);
         for (int row = 0; row < _height; ++row)
             lengths.at(k, row) =
                 static_cast<float>(grid.stepLength(tile.eastSpacing(row), tile.northSpacing));
@@ -142,15 +141,12 @@ BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Textur
     const std::vector<BounceSample> samples =
         bounceSamples(scheme, std::max(_width, _height) - 1,
                       static_cast<int>(std::min(_posts.levels.size(), _cells.levels.size())));
-    osg::ref_ptr<osg::Uniform> table =
-        new osg::Uniform(osg::Uniform::FLOAT_VEC4, "samples", static_cast<int>(maxSamples));
     int nearCount = 0;
-    for (unsigned i = 0; i < samples.size(); ++i)
+    for (std::size_t i = 0; i < samples.size(); ++i)
     {
-        table->setElement(i, osg::Vec4f(static_cast<float>(samples[i].distance),
-                                        static_cast<float>(samples[i].level),
-                                        static_cast<float>(samples[i].between),
-                                        static_cast<float>(samples[i].radianceLevel)));
+        rays[maxAzimuths + i].set(
+            static_cast<float>(samples[i].distance), static_cast<float>(samples[i].level),
+            static_cast<float>(samples[i].between), static_cast<float>(samples[i].radianceLevel));
         nearCount += samples[i].level == 0 ? 1 : 0;
     }
     const auto bounces = {_firstBounce, _nextBounce};
@@ -214,8 +210,7 @@ BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Textur
         pass->reads("stepLengths", _stepLengths);
         pass->reads("heightPyramid", _heightPyramid);
         pass->reads("radiancePyramid", _radiancePyramid);
-        pass->set(directions);
-        pass->set(table);
+        pass->setBlock(rays);
         pass->set("nearCount", nearCount);
         pass->set("sampleCount", static_cast<int>(samples.size()));
     }

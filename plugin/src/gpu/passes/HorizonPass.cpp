@@ -89,15 +89,14 @@ void HorizonPass::setDirections(const std::vector<MapDirection>& directions)
     _directions.clear();
     _maxLines = 0;
     Raster<float> lengths(static_cast<int>(directions.size()), _height);
-    osg::ref_ptr<osg::Uniform> table =
-        new osg::Uniform(osg::Uniform::FLOAT_VEC4, "directions", 256);
+    std::vector<osg::Vec4f> table(256);
     for (std::size_t i = 0; i < directions.size(); ++i)
     {
         const GridDirection grid(_nominalEastSpacing, _northSpacing, directions[i]);
         const osg::Vec4f row(static_cast<float>(grid.drift), static_cast<float>(grid.look),
                              grid.north ? 1.0f : 0.0f, static_cast<float>(i));
         _directions.push_back(row);
-        table->setElement(static_cast<unsigned>(i), row);
+        table[i] = row;
 
         const int steps = grid.north ? _height : _width;
         const int breadth = grid.north ? _width : _height;
@@ -116,7 +115,7 @@ void HorizonPass::setDirections(const std::vector<MapDirection>& directions)
     for (const auto& sweep : _sweeps)
     {
         sweep->reads("stepLengths", _stepLengths);
-        sweep->set(table);
+        sweep->setBlock(table);
     }
     _near->reads("stepLengths", _stepLengths);
 }
