@@ -109,8 +109,8 @@ std::vector<Compared> compareLight(const Truth& truth, const Found& found)
     for (std::size_t i = 0; i < (lends ? truth.posts.size() : truth.skyPosts); ++i)
     {
         const std::size_t lender = i % truth.skyPosts;
-        const double sky = lends ? skyView(i) - (skyView(lender) - truth.sky[lender])
-                                 : truth.sky[i];
+        const double sky =
+            lends ? skyView(i) - (skyView(lender) - truth.sky[lender]) : truth.sky[i];
         const osg::Vec4f& c = found.shading.at(truth.posts[i].column, truth.posts[i].row);
         values.push_back({osgTerrainLight::luminance(Rgb{c.r(), c.g(), c.b()}),
                           truth.skyLuminance * sky + truth.sunlight[i] * truth.sun[i]});

@@ -134,9 +134,9 @@ Status run(const Options& options)
 {
     if ((options.maxError || options.maxMilliseconds) &&
         options.settings.bounceMethod != BounceMethod::Slices)
-        throw CLI::ValidationError("--bounce-method", std::string(toString(
-                                                          options.settings.bounceMethod)) +
-                                                          ": settings can be chosen for slices only");
+        throw CLI::ValidationError("--bounce-method",
+                                   std::string(toString(options.settings.bounceMethod)) +
+                                       ": settings can be chosen for slices only");
     const auto write = [&](LitTile& lit, Progress& progress)
     {
         const Raster<osg::Vec4f> shading = lit.lighting->readShading(lit.gpu.state());

@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <random>
 
-// Expected values come from the standard library's Legendre functions and the midpoint rule over the
-// sphere, and from closed forms.
+// Expected values come from the standard library's Legendre functions and the midpoint rule over
+// the sphere, and from closed forms.
 
 using namespace osgTerrainLight;
 
@@ -19,8 +19,8 @@ constexpr double pi = 3.14159265358979323846;
 double harmonic(int l, int m, double z, double azimuth)
 {
     const int order = std::abs(m);
-    return std::sqrt((m == 0 ? 1.0 : 2.0) * (2 * l + 1) / (4.0 * pi) *
-                     std::tgamma(l - order + 1) / std::tgamma(l + order + 1)) *
+    return std::sqrt((m == 0 ? 1.0 : 2.0) * (2 * l + 1) / (4.0 * pi) * std::tgamma(l - order + 1) /
+                     std::tgamma(l + order + 1)) *
            std::assoc_legendre(static_cast<unsigned>(l), static_cast<unsigned>(order), z) *
            (m < 0 ? std::sin(order * azimuth) : std::cos(order * azimuth));
 }

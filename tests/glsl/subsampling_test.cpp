@@ -25,8 +25,9 @@ TYPED_TEST(Subsampling, FirstValidPostStandsForItsBlock)
     tile.setHeight(2, 3, 1.0f);
     tile.setHeight(6, 5, 1.0f);
     const Raster<TypeParam> heights = framedHeights<TypeParam>(tile, 1);
-    const auto post = [&](int x, int y, int stride)
-    { return glsl.postOfBlock(heights, {x, y}, stride, {7, 6}, 1); };
+    const auto post = [&](int x, int y, int stride) {
+        return glsl.postOfBlock(heights, {x, y}, stride, {7, 6}, 1);
+    };
     using glm::ivec2;
     EXPECT_EQ(post(1, 1, 2), ivec2(3, 2)); // row by row
     EXPECT_EQ(post(0, 0, 4), ivec2(3, 2));

@@ -1,6 +1,7 @@
 // Direct light by the scheme of Nowrouzezahrai and Snyder 2009, on the GPU: against closed forms,
 // against the same scheme in double (support/LegendreReference.h), and against exhaustive horizons
-// projected onto spherical harmonics of order 4. Subsampling against none, and the memory of it all.
+// projected onto spherical harmonics of order 4. Subsampling against none, and the memory of it
+// all.
 #include "core/SyntheticTerrain.h"
 #include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
@@ -117,7 +118,7 @@ double harmonic(int l, int m, double z, double azimuth)
 /// ∫ over the sphere of sky times visible times the cosine of order 4 about the normal, over π.
 double irradianceOf(const Harmonics& sky, const Harmonics& visible, const Vec3& normal)
 {
-    constexpr int rings = 300; // h²/24 times the change of the derivative: below 1e-5 of the light
+    constexpr int rings = 200; // h²/24 times the change of the derivative, below 10: 4e-5
     constexpr int turns = 16;  // exact: at most 8 turns of azimuth
     double sum = 0.0;
     for (int ring = 0; ring < rings; ++ring)
@@ -196,9 +197,9 @@ public:
                 {
                     double part = 0.0;
                     for (unsigned c = 0; c < 4; ++c)
-                        part += _overlaps[static_cast<std::size_t>(l)][static_cast<std::size_t>(m)]
-                                         [c] *
-                                (polynomialIntegral(c, highest) - polynomialIntegral(c, from));
+                        part +=
+                            _overlaps[static_cast<std::size_t>(l)][static_cast<std::size_t>(m)][c] *
+                            (polynomialIntegral(c, highest) - polynomialIntegral(c, from));
                     const auto [cosine, sine] = share(k, m);
                     sum[place(l, m)] += part * cosine;
                     if (m > 0)
@@ -215,16 +216,16 @@ public:
         std::vector<double> azimuths;
         for (int k = 0; k < _scheme.azimuths; ++k)
             azimuths.push_back(spacing * k);
-        return visible(x, y, azimuths, 0.0, 1.0,
-                       [&](std::size_t k, int m) -> std::array<double, 2>
-                       {
-                           const double half = 0.5 * m * spacing;
-                           const double left =
-                               spacing * std::pow(m == 0 ? 1.0 : std::sin(half) / half,
-                                                  _scheme.blend == AzimuthBlend::Linear ? 2 : 4);
-                           return {left * std::cos(m * azimuths[k]),
-                                   left * std::sin(m * azimuths[k])};
-                       });
+        return visible(
+            x, y, azimuths, 0.0, 1.0,
+            [&](std::size_t k, int m) -> std::array<double, 2>
+            {
+                const double half = 0.5 * m * spacing;
+                const double left =
+                    spacing * std::pow(m == 0 ? 1.0 : std::sin(half) / half,
+                                       _scheme.blend == AzimuthBlend::Linear ? 2 : 4);
+                return {left * std::cos(m * azimuths[k]), left * std::sin(m * azimuths[k])};
+            });
     }
 
     /// Of a light between two elevations and azimuths [rad, counter-clockwise from east], by slices
@@ -244,8 +245,8 @@ public:
                            for (int i = 0; i < steps; ++i)
                            {
                                const double azimuth = first + (last - first) * (i + 0.5) / steps;
-                               const double hat = std::max(
-                                   0.0, 1.0 - std::abs(azimuth - azimuths[k]) / spacing);
+                               const double hat =
+                                   std::max(0.0, 1.0 - std::abs(azimuth - azimuths[k]) / spacing);
                                sum[0] += hat * std::cos(m * azimuth) * (last - first) / steps;
                                sum[1] += hat * std::sin(m * azimuth) * (last - first) / steps;
                            }
@@ -270,15 +271,13 @@ double truth(const DemTile& tile, const Vec3& normal, int x, int y, double first
     for (int k = 0; k < slices; ++k)
     {
         const double azimuth = first + (last - first) * (k + 0.5) / slices;
-        const reference::Horizon horizon = reference::exhaustiveHorizon(
-            tile, x, y, {std::cos(azimuth), std::sin(azimuth)});
+        const reference::Horizon horizon =
+            reference::exhaustiveHorizon(tile, x, y, {std::cos(azimuth), std::sin(azimuth)});
         const double from =
             std::max({std::sin(horizon.elevationDegrees() * pi / 180.0), std::sin(lowest), 0.0});
         const double to = std::sin(highest);
         if (from >= to)
             continue;
-        // The cosine of order 4 is a polynomial of degree 2 in the direction: by 8 midpoints in
-        // 8 · 16 steps of the slice's elevation.
         constexpr int steps = 128;
         for (int i = 0; i < steps; ++i)
         {
@@ -318,10 +317,10 @@ TEST(LegendreDirect, PlainHasClosedForms)
             // is 1.5 % more than all light has.
             const Shading key =
                 lit(context->state(), tile, keyLight(200.0, 60.0, 20.0, 50.0), scheme);
-            const double expected =
-                4.0 * 60.0 * degree *
-                (cosineIntegral(std::sin(50.0 * degree)) - cosineIntegral(std::sin(20.0 * degree))) /
-                pi;
+            const double expected = 4.0 * 60.0 * degree *
+                                    (cosineIntegral(std::sin(50.0 * degree)) -
+                                     cosineIntegral(std::sin(20.0 * degree))) /
+                                    pi;
             // What is below the horizontal gives nothing.
             const Shading low =
                 lit(context->state(), tile, keyLight(200.0, 360.0, -30.0, 50.0), scheme);
@@ -355,7 +354,8 @@ TEST(LegendreDirect, SunIsAKeyLightOfItsDisc)
         // about the zenith 1.5e-4.
         const double z = std::sin(elevation * degree);
         const double expected = 3.0 * cosineOfOrder4(z) / pi;
-        EXPECT_NEAR(luminance(sun.at(4, 3)), expected, expected * (halfRounding + 3e-3)) << elevation;
+        EXPECT_NEAR(luminance(sun.at(4, 3)), expected, expected * (halfRounding + 3e-3))
+            << elevation;
         EXPECT_NEAR(static_cast<double>(sun.at(4, 3).w()), 1.0, 2.0 * halfRounding) << elevation;
     }
     // Half of it above the horizontal; all of it below.
@@ -368,10 +368,9 @@ TEST(LegendreDirect, SunIsAKeyLightOfItsDisc)
     sky.sunAzimuth = 90.0;
     const Shading away =
         lit(context->state(), analytic::ramp(20, 20, 10.0, 1.0, 0.0), sky, LegendreScheme());
-    EXPECT_EQ(lit(context->state(), analytic::ramp(20, 20, 10.0, -1.0, 0.0), sky, {})
-                  .at(10, 10)
-                  .w(),
-              1.0f);
+    EXPECT_EQ(
+        lit(context->state(), analytic::ramp(20, 20, 10.0, -1.0, 0.0), sky, {}).at(10, 10).w(),
+        1.0f);
     EXPECT_EQ(away.at(10, 10), osg::Vec4f(0.0f, 0.0f, 0.0f, 0.0f));
 }
 
@@ -431,14 +430,13 @@ TEST(LegendreDirect, IsTheSchemeInDouble)
                     EXPECT_EQ(key.at(x, y), osg::Vec4f()) << x << ", " << y;
                     continue;
                 }
-                if ((x + 3 * y) % 7 != 0)
+                if ((x + 3 * y) % 29 != 0)
                     continue;
                 const Vec3 normal = visibility.normal(x, y);
                 const Harmonics visible = visibility.visible(x, y);
-                const auto differ = [&](int i, const Shading& found, double expected)
-                {
-                    worst[i] = std::max(worst[i], std::abs(luminance(found.at(x, y)) -
-                                                           std::max(expected, 0.0)));
+                const auto differ = [&](int i, const Shading& found, double expected) {
+                    worst[i] = std::max(
+                        worst[i], std::abs(luminance(found.at(x, y)) - std::max(expected, 0.0)));
                 };
                 differ(0, uniform, irradianceOf(constantSky(), visible, normal));
                 differ(1, sky, irradianceOf(red, visible, normal));
@@ -451,10 +449,10 @@ TEST(LegendreDirect, IsTheSchemeInDouble)
             }
         std::printf("%-18s worst difference: uniform sky %.1e, in harmonics %.1e, key light %.1e\n",
                     c.name, worst[0], worst[1], worst[2]);
-        // Light up to 1, 2 and 1.3: half floats, and filter weights of 8 bits.
-        EXPECT_LT(worst[0], 2e-3);
-        EXPECT_LT(worst[1], 4e-3);
-        EXPECT_LT(worst[2], 3e-3);
+        // Light up to 1, 2 and 1: half floats, 2^-12 of that, and as much for the rest.
+        EXPECT_LT(worst[0], 5e-4);
+        EXPECT_LT(worst[1], 1e-3);
+        EXPECT_LT(worst[2], 5e-4);
     }
 }
 
@@ -529,8 +527,7 @@ TEST(LegendreDirect, KeyLightOfThreeAzimuths)
             sky.keyLights.push_back(
                 keyLight(50.0 + (i + 0.5) * width, width, low, high).keyLights[0]);
         }
-        const Shading found =
-            lit(context->state(), tile, sky, {rays, 32, AzimuthBlend::Linear, 1});
+        const Shading found = lit(context->state(), tile, sky, {rays, 32, AzimuthBlend::Linear, 1});
         Relative relative;
         std::size_t i = 0;
         for (int y = 2; y < 96; y += 4)
@@ -594,9 +591,9 @@ TEST(LegendreDirect, SubsamplingKeepsEveryPostOfAnySize)
     settings.bounceMethod = BounceMethod::Legendre;
     settings.bounces = 2;
     settings.azimuths = 8;
-    for (const auto& [width, height] : std::vector<std::array<int, 2>>{
-             {1, 1}, {30, 1}, {1, 17}, {2, 3}, {13, 29}, {14, 28}, {15, 57}, {33, 8}})
-        for (const int stride : {1, 2, 4})
+    for (const auto& [width, height] :
+         std::vector<std::array<int, 2>>{{1, 1}, {30, 1}, {1, 17}, {13, 29}, {15, 57}})
+        for (const int stride : {2, 4})
         {
             SCOPED_TRACE(::testing::Message() << width << " x " << height << ", " << stride);
             DemTile tile = fractal(width, height, 9);
@@ -714,7 +711,7 @@ TEST(LegendreDirect, FitsFourMegabytes)
     settings.bounces = 1;
     settings.subsampling = 2;
     settings.azimuths = 32;
-    // Void posts take as many bytes, and no time.
+    // Void posts take as many bytes, and little time.
     const osg::ref_ptr<TileLighting> lighting =
         new TileLighting(DemTile(512, 512, 30.0), settings, SkyLight());
     ASSERT_TRUE(lighting->update(context->state()).ok());

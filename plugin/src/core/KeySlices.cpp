@@ -42,11 +42,11 @@ void appendSun(std::vector<KeySlice>& slices, const SkyLight& sky)
     light.lowest = std::max(sky.sunElevation - radius, -90.0);
     light.highest = std::min(sky.sunElevation + radius, 90.0);
     const double elevation = sky.sunElevation * radiansPerDegree;
-    light.width = zenithal ? 360.0
-                           : 2.0 / radiansPerDegree *
-                                 std::asin(std::min(std::sin(radius * radiansPerDegree) /
-                                                        std::cos(elevation),
-                                                    1.0));
+    light.width =
+        zenithal ? 360.0
+                 : 2.0 / radiansPerDegree *
+                       std::asin(std::min(std::sin(radius * radiansPerDegree) / std::cos(elevation),
+                                          1.0));
     const double side = 0.5 * light.width * radiansPerDegree;
     const double low = light.lowest * radiansPerDegree;
     const double high = light.highest * radiansPerDegree;

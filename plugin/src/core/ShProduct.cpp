@@ -11,8 +11,8 @@ namespace osgTerrainLight
 
 namespace
 {
-/// ∫ Y_i Y_j Y_k over the sphere. Products of three have degree 9 in z where they do not vanish, and
-/// at most 9 turns of azimuth: both rules are exact.
+/// ∫ Y_i Y_j Y_k over the sphere. Products of three have degree 9 in z where they do not vanish,
+/// and at most 9 turns of azimuth: both rules are exact.
 using Triples = std::array<ShMatrix<16>, 16>;
 
 Triples computed()
@@ -27,8 +27,8 @@ Triples computed()
             const double z = 2.0 * rule.places[node] - 1.0;
             const double side = std::sqrt(1.0 - z * z);
             const double azimuth = 2.0 * pi * turn / turns;
-            const auto sh = Glsl<double>().shBasis(
-                {side * std::cos(azimuth), side * std::sin(azimuth), z});
+            const auto sh =
+                Glsl<double>().shBasis({side * std::cos(azimuth), side * std::sin(azimuth), z});
             ShFunction basis;
             for (std::size_t i = 0; i < 16; ++i)
                 basis[i] = sh.c[i / 4][static_cast<int>(i % 4)];

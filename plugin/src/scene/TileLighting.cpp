@@ -97,13 +97,12 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                          : 0;
          },
          [this] { _sun = nullptr; }});
-    const auto pyramid =
-        _chain.addStage({"pyramid",
-                         {_settingsValue, _bounceValue, heights},
-                         [this] { return bounceNeeded() || legendreNeeded(); },
-                         [this](osg::State& state) { return runPyramid(state); },
-                         [this] { return _pyramid ? _pyramid->bytes() : 0; },
-                         [this] { _pyramid = nullptr; }});
+    const auto pyramid = _chain.addStage({"pyramid",
+                                          {_settingsValue, _bounceValue, heights},
+                                          [this] { return bounceNeeded() || legendreNeeded(); },
+                                          [this](osg::State& state) { return runPyramid(state); },
+                                          [this] { return _pyramid ? _pyramid->bytes() : 0; },
+                                          [this] { _pyramid = nullptr; }});
     const auto shade = _chain.addStage(
         {"shade",
          // Bounces are added to what this writes, so it runs before each.
@@ -171,9 +170,9 @@ void TileLighting::setSettings(const LightingSettings& settings)
 bool TileLighting::legendreNeeded() const
 {
     const auto& keys = _sky.keyLights;
-    return !bySlices() &&
-           (skyNeeded() || sunNeeded() ||
-            std::any_of(keys.begin(), keys.end(), [](const KeyLight& k) { return k.highest > 0.0; }));
+    return !bySlices() && (skyNeeded() || sunNeeded() ||
+                           std::any_of(keys.begin(), keys.end(),
+                                       [](const KeyLight& k) { return k.highest > 0.0; }));
 }
 
 int TileLighting::frame() const
@@ -203,7 +202,8 @@ void TileLighting::createHeights()
 bool TileLighting::bounceNeeded() const
 {
     // Less than two posts a side have no cell between them to send light.
-    return _settings.bounces > 0 && (skyNeeded() || sunNeeded() || legendreNeeded()) && width() > 1 && height() > 1 &&
+    return _settings.bounces > 0 && (skyNeeded() || sunNeeded() || legendreNeeded()) &&
+           width() > 1 && height() > 1 &&
            !(_albedo.empty() ? isBlack(_settings.albedo) : _albedoIsBlack);
 }
 

@@ -89,7 +89,7 @@ public:
     /// Read-back, all in tile order (row 0 south). Call after update().
     Raster<osg::Vec4f> readShading(osg::State& state) const;
     Raster<float>
-    readSkyView(osg::State& state) const;             ///< NaN where void; precondition: as readHorizons
+    readSkyView(osg::State& state) const; ///< NaN where void; precondition: as readHorizons
     /// Precondition: a sky is on, and the method is Slices.
     HorizonMap readHorizons(osg::State& state) const;
     /// Of the last bounce alone: rgb = irradiance / π, a = 1; 0 where void. Precondition: bounces
@@ -147,7 +147,7 @@ private:
     osg::ref_ptr<osg::Texture2D> _shading;
     osg::ref_ptr<GpuPass> _skyPass;
     osg::ref_ptr<GpuPass> _shadePass;
-    osg::ref_ptr<HeightPyramid> _pyramid;  ///< where the method is not Slices
+    osg::ref_ptr<HeightPyramid> _pyramid;     ///< where the method is not Slices
     osg::ref_ptr<LegendreDirectPass> _direct; ///< ditto
     osg::ref_ptr<Bounces> _bounce;
     Raster<Rgb> _albedo; ///< empty: the settings'

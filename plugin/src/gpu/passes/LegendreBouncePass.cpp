@@ -12,8 +12,8 @@ namespace osgTerrainLight
 LegendreBouncePass::LegendreBouncePass(const DemTile& tile, const HeightPyramid& pyramid,
                                        osg::Texture2D* eastSpacings, const LegendreScheme& scheme,
                                        int bounces)
-    : _width(tile.width()), _height(tile.height()),
-      _blocksAcross((_width - 1) / scheme.stride + 1), _blocksUp((_height - 1) / scheme.stride + 1),
+    : _width(tile.width()), _height(tile.height()), _blocksAcross((_width - 1) / scheme.stride + 1),
+      _blocksUp((_height - 1) / scheme.stride + 1),
       _blocks(PyramidLayout::ofPosts(_blocksAcross, _blocksUp)),
       _groups(legendreGroups(_width, _height, scheme.stride)),
       _radiance(createTarget(_blocksAcross, _blocksUp, GL_RGBA16F_ARB)),

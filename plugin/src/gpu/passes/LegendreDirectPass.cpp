@@ -63,8 +63,8 @@ Status LegendreDirectPass::dispatch(osg::State& state, const SkyLight& sky, osg:
     if (inHarmonics)
         pass.reads("skyProduct", _skyProduct);
     else
-        pass.set("skyRadiance", osg::Vec3f(sky.skyRadiance[0], sky.skyRadiance[1],
-                                           sky.skyRadiance[2]));
+        pass.set("skyRadiance",
+                 osg::Vec3f(sky.skyRadiance[0], sky.skyRadiance[1], sky.skyRadiance[2]));
     std::vector<MapDirection> directions;
     if (sky.skyEnabled)
         directions = directionsOf(AzimuthSet(_azimuths));

@@ -29,7 +29,8 @@ public:
                        osg::Texture2D* eastSpacings, const LegendreScheme& scheme);
 
     /// Writes the shading (RGBA16F): rgb = irradiance / π, ≥ 0; a = visible part of the sun, as
-    /// harmonics have it (1 where the sun is off, 0 where it is below the horizontal). Void posts: 0.
+    /// harmonics have it (1 where the sun is off, 0 where it is below the horizontal). Void posts:
+    /// 0.
     Status dispatch(osg::State& state, const SkyLight& sky, osg::Texture2D* shading);
 
     /// Of its textures.

@@ -34,9 +34,8 @@ osg::ref_ptr<GpuPass> createLegendreLight(std::vector<std::string> defines, cons
     setPyramidScan(*pass, tile, scheme.rays, pyramid, eastSpacings);
     const std::array<double, 4> even =
         WedgeMatrices(2.0 * pi / scheme.azimuths).weights(scheme.blend).even;
-    pass->set("orderWeights",
-              osg::Vec4f(static_cast<float>(even[0]), static_cast<float>(even[1]),
-                         static_cast<float>(even[2]), static_cast<float>(even[3])));
+    pass->set("orderWeights", osg::Vec4f(static_cast<float>(even[0]), static_cast<float>(even[1]),
+                                         static_cast<float>(even[2]), static_cast<float>(even[3])));
     pass->set("stride", scheme.stride);
     return pass;
 }

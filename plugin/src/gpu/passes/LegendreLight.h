@@ -30,8 +30,8 @@ struct OSGTERRAINLIGHT_EXPORT LegendreScheme
     static LegendreScheme of(const LightingSettings& settings);
 };
 
-/// A variant of legendre_light.comp, with all that does not depend on light or bounce. eastSpacings:
-/// createSpacingTexture(tile).
+/// A variant of legendre_light.comp, with all that does not depend on light or bounce.
+/// eastSpacings: createSpacingTexture(tile).
 osg::ref_ptr<GpuPass> createLegendreLight(std::vector<std::string> defines, const DemTile& tile,
                                           const HeightPyramid& pyramid,
                                           osg::Texture2D* eastSpacings,

@@ -17,8 +17,8 @@ PyramidHorizonPass::PyramidHorizonPass(const DemTile& tile, osg::Texture2D* heig
       _scan(new GpuPass("pyramid_horizon"))
 {
     setPyramidScan(*_scan, tile, scheme, *_pyramid, _eastSpacings);
-    std::vector<osg::Vec4f> rays = raySteps(tile.nominalEastSpacing(), tile.northSpacing,
-                                            directionsOf(AzimuthSet(azimuths)));
+    std::vector<osg::Vec4f> rays =
+        raySteps(tile.nominalEastSpacing(), tile.northSpacing, directionsOf(AzimuthSet(azimuths)));
     rays.resize(256);
     _scan->setBlock(rays);
     _scan->set("smoothly", join == Join::BSpline);

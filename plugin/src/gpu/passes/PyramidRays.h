@@ -14,8 +14,8 @@
 namespace osgTerrainLight
 {
 
-/// A step along each direction, as the shaders that scan a pyramid have it: posts to the east and to
-/// the north, one of them ±1; the direction on the ground. eastSpacing: the tile's nominal one.
+/// A step along each direction, as the shaders that scan a pyramid have it: posts to the east and
+/// to the north, one of them ±1; the direction on the ground. eastSpacing: the tile's nominal one.
 std::vector<osg::Vec4f> raySteps(double eastSpacing, double northSpacing,
                                  const std::vector<MapDirection>& directions);
 
