@@ -1,4 +1,4 @@
-#include "core/KeySlices.h"
+#include "core/LegendreKeys.h"
 #include "core/ShProduct.h"
 
 #include <gtest/gtest.h>
@@ -90,7 +90,7 @@ TEST(ShProduct, ConstantFunctionMultiplies)
             EXPECT_NEAR(product[i][j], i == j ? 3.0 : 0.0, 1e-13);
 }
 
-TEST(KeySlices, PaperHasThreeWhereALightIsNarrow)
+TEST(LegendreKeys, PaperHasThreeWhereALightIsNarrow)
 {
     SkyLight sky;
     sky.sunEnabled = false;
@@ -100,7 +100,7 @@ TEST(KeySlices, PaperHasThreeWhereALightIsNarrow)
     light.lowest = -10.0;
     light.highest = 30.0;
     sky.keyLights = {light};
-    const std::vector<KeySlice> slices = keySlices(sky);
+    const std::vector<LegendreKey> slices = legendreKeys(sky);
     ASSERT_EQ(slices.size(), 3u);
     double width = 0.0;
     for (std::size_t i = 0; i < 3; ++i)
@@ -120,13 +120,13 @@ TEST(KeySlices, PaperHasThreeWhereALightIsNarrow)
     for (const auto& [degrees, count] : {std::pair{90.0, 3u}, {91.0, 4u}, {360.0, 9u}})
     {
         sky.keyLights[0].width = degrees;
-        EXPECT_EQ(keySlices(sky).size(), count) << degrees;
+        EXPECT_EQ(legendreKeys(sky).size(), count) << degrees;
     }
     sky.keyLights[0].highest = 0.0;
-    EXPECT_TRUE(keySlices(sky).empty());
+    EXPECT_TRUE(legendreKeys(sky).empty());
 }
 
-TEST(KeySlices, SunGivesItsIrradiance)
+TEST(LegendreKeys, SunGivesItsIrradiance)
 {
     SkyLight sky;
     for (const double radius : {0.01, 0.2666, 3.0, 10.0})
@@ -135,12 +135,12 @@ TEST(KeySlices, SunGivesItsIrradiance)
             SCOPED_TRACE(::testing::Message() << "radius " << radius << " at " << elevation);
             sky.sunAngularRadius = radius;
             sky.sunElevation = elevation;
-            const std::vector<KeySlice> slices = keySlices(sky);
+            const std::vector<LegendreKey> slices = legendreKeys(sky);
             ASSERT_GE(slices.size(), 3u);
             double width = 0.0;
-            for (const KeySlice& slice : slices)
+            for (const LegendreKey& slice : slices)
                 width += slice.weights.even[0];
-            const KeySlice& first = slices.front();
+            const LegendreKey& first = slices.front();
             // The midpoint rule over the light's rectangle.
             constexpr int steps = 400;
             double irradiance = 0.0;
@@ -162,8 +162,8 @@ TEST(KeySlices, SunGivesItsIrradiance)
                         1.0, 1e-12);
         }
     sky.sunElevation = -30.0;
-    EXPECT_TRUE(keySlices(sky).empty());
+    EXPECT_TRUE(legendreKeys(sky).empty());
     sky.sunElevation = 30.0;
     sky.sunEnabled = false;
-    EXPECT_TRUE(keySlices(sky).empty());
+    EXPECT_TRUE(legendreKeys(sky).empty());
 }

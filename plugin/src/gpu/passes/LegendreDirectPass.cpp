@@ -1,6 +1,6 @@
 #include "gpu/passes/LegendreDirectPass.h"
 
-#include "core/KeySlices.h"
+#include "core/LegendreKeys.h"
 #include "core/ShProduct.h"
 #include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
@@ -69,13 +69,13 @@ Status LegendreDirectPass::dispatch(osg::State& state, const SkyLight& sky, osg:
     if (sky.skyEnabled)
         directions = directionsOf(AzimuthSet(_azimuths));
     pass.set("azimuths", static_cast<int>(directions.size()));
-    const std::vector<KeySlice> keys = keySlices(sky);
+    const std::vector<LegendreKey> keys = legendreKeys(sky);
     assert(keys.size() <= maxKeySlices);
-    for (const KeySlice& key : keys)
+    for (const LegendreKey& key : keys)
         directions.push_back(key.direction);
     std::vector<osg::Vec4f> rays = raySteps(_eastSpacing, _northSpacing, directions);
     rays.resize(maxRays);
-    for (const KeySlice& key : keys)
+    for (const LegendreKey& key : keys)
     {
         rays.push_back(vec4(key.weights.even));
         rays.push_back(vec4(key.weights.odd));

@@ -1,4 +1,4 @@
-#include "core/KeySlices.h"
+#include "core/LegendreKeys.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,14 +11,14 @@ namespace
 constexpr double pi = 3.14159265358979323846;
 constexpr double radiansPerDegree = pi / 180.0;
 
-void append(std::vector<KeySlice>& slices, const KeyLight& light, double perSun)
+void append(std::vector<LegendreKey>& slices, const KeyLight& light, double perSun)
 {
     const int intervals = std::max(2, static_cast<int>(std::ceil(light.width / 45.0 - 1e-9)));
     const double spacing = light.width / intervals; // degrees
     const WedgeMatrices wedges(spacing * radiansPerDegree);
     for (int i = 0; i <= intervals; ++i)
     {
-        KeySlice slice;
+        LegendreKey slice;
         // Counter-clockwise, as the weights count.
         slice.direction = directionOfCompass(light.azimuth + 0.5 * light.width - i * spacing);
         slice.weights = i == 0           ? wedges.firstWeights()
@@ -32,7 +32,7 @@ void append(std::vector<KeySlice>& slices, const KeyLight& light, double perSun)
     }
 }
 
-void appendSun(std::vector<KeySlice>& slices, const SkyLight& sky)
+void appendSun(std::vector<LegendreKey>& slices, const SkyLight& sky)
 {
     KeyLight light;
     light.azimuth = sky.sunAzimuth;
@@ -63,9 +63,9 @@ void appendSun(std::vector<KeySlice>& slices, const SkyLight& sky)
 }
 } // namespace
 
-std::vector<KeySlice> keySlices(const SkyLight& sky)
+std::vector<LegendreKey> legendreKeys(const SkyLight& sky)
 {
-    std::vector<KeySlice> slices;
+    std::vector<LegendreKey> slices;
     for (const KeyLight& light : sky.keyLights)
         if (light.highest > 0.0)
             append(slices, light, 0.0);
