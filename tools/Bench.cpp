@@ -35,6 +35,7 @@ struct Method
     std::string meaning;
     void (*apply)(LightingSettings&);
     bool ofBounces = false; ///< it differs from another in bounces alone
+    bool byDefault = true;  ///< false: only where --methods names it
 };
 
 /// A new method is a line here.
@@ -47,6 +48,22 @@ const std::vector<Method> methods = {
     {"subsampled-2", "--subsampling 2", [](LightingSettings& s) { s.subsampling = 2; }, true},
     {"legendre", "--bounce-method legendre",
      [](LightingSettings& s) { s.bounceMethod = BounceMethod::Legendre; }, true},
+    {"subsampled-4", "--subsampling 4", [](LightingSettings& s) { s.subsampling = 4; }, true,
+     false},
+    {"legendre-2", "legendre with --subsampling 2",
+     [](LightingSettings& s)
+     {
+         s.bounceMethod = BounceMethod::Legendre;
+         s.subsampling = 2;
+     },
+     true, false},
+    {"legendre-4", "legendre with --subsampling 4",
+     [](LightingSettings& s)
+     {
+         s.bounceMethod = BounceMethod::Legendre;
+         s.subsampling = 4;
+     },
+     true, false},
 };
 
 struct Options
@@ -252,9 +269,11 @@ Status measure(const Gpu& gpu, const DemTile& tile, const Truth& truth, const Sk
 {
     const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, row.settings, sky);
     lighting->setTimed(true);
-    // Twice, if there is room: the first time compiles and allocates.
+    // Twice, if there is room: the first time compiles and allocates. Where it takes long, that is
+    // too little of it to do all again.
+    constexpr std::chrono::seconds longTime(20);
     std::chrono::duration<double, std::milli> took{};
-    for (int i = 0; i < 2 && row.skipped.empty(); ++i)
+    for (int i = 0; i < 2 && row.skipped.empty() && took < longTime; ++i)
     {
         lighting->touch();
         const auto start = std::chrono::steady_clock::now();
@@ -283,9 +302,9 @@ Status measure(const Gpu& gpu, const DemTile& tile, const Truth& truth, const Sk
             times.gpu.back() += costs[i].gpuMilliseconds;
         }
     }
-    if (row.skipped.empty() && row.errors.empty())
+    row.bytes = lighting->bytes();
+    if (row.skipped.empty() && row.errors.empty() && !truth.posts.empty())
     {
-        row.bytes = lighting->bytes();
         Result<Found> found = readBack(gpu, truth, row.settings, *lighting);
         if (!found)
             return found.error();
@@ -394,6 +413,8 @@ Status run(const Options& options)
         throw CLI::ValidationError("INPUT", "needed: a DEM, or --generate KIND");
     if (!options.plot.empty() && !EQUAL(CPLGetExtension(options.plot.c_str()), "svg"))
         throw CLI::ValidationError("--plot", options.plot + ": needs a name that ends in .svg");
+    if (options.posts == 0 && !options.plot.empty())
+        throw CLI::ValidationError("--plot", "draws errors: needs --posts 1 or more");
     if (options.settings.bounces > 0 && options.settings.albedo == Rgb{})
         throw CLI::ValidationError("--albedo", "0 in all channels: nothing bounces");
     if (Status writable = checkOutputs(options); !writable)
@@ -407,8 +428,9 @@ Status run(const Options& options)
     report.device = gpu->capabilities;
     report.sky = options.sky;
     report.settings = options.settings;
-    report.quantities = directQuantities();
-    if (options.settings.bounces > 0)
+    if (options.posts > 0)
+        report.quantities = directQuantities();
+    if (options.posts > 0 && options.settings.bounces > 0)
         report.quantities.push_back(indirectQuantity());
     report.seed = options.seed;
     report.repeats = options.repeats;
@@ -429,7 +451,8 @@ Status run(const Options& options)
     report.eastSpacing = tile->nominalEastSpacing();
     report.northSpacing = tile->northSpacing;
 
-    if (options.settings.bounces > 0 &&
+    const bool errors = options.posts > 0;
+    if (errors && options.settings.bounces > 0 &&
         std::any_of(tile->eastSpacings.begin(), tile->eastSpacings.end(),
                     [&](double spacing) { return spacing != tile->eastSpacings.front(); }))
         return Error{ErrorCode::NotSupported,
@@ -437,14 +460,16 @@ Status run(const Options& options)
                          ": --bounces needs posts as far apart in every row, for the path tracer; "
                          "this raster is in degrees. One in metres does (gdalwarp -t_srs)"};
 
-    Truth truth = findTruth(*tile, options.sky, options.azimuths, options.posts, options.seed,
-                            [&](double fraction)
-                            { progress.reach(readEnd + (truthEnd - readEnd) * fraction); });
+    Truth truth;
+    if (errors)
+        truth = findTruth(*tile, options.sky, options.azimuths, options.posts, options.seed,
+                          [&](double fraction)
+                          { progress.reach(readEnd + (truthEnd - readEnd) * fraction); });
     report.skyPosts = truth.skyPosts;
     report.sunPosts = truth.posts.size();
 
     std::optional<IndirectTruth> indirect;
-    if (options.settings.bounces > 0)
+    if (errors && options.settings.bounces > 0)
     {
         Result<IndirectTruth> built = IndirectTruth::build(*tile, options.sky, options.settings,
                                                            options.seed, options.posts, truth);
@@ -497,7 +522,8 @@ std::string listOfMethods()
 void addMethods(CLI::App& app, std::vector<const Method*>& chosen)
 {
     for (const Method& method : methods)
-        chosen.push_back(&method);
+        if (method.byDefault)
+            chosen.push_back(&method);
     const auto read = [&chosen](const std::string& given)
     {
         chosen.clear();
@@ -513,7 +539,8 @@ void addMethods(CLI::App& app, std::vector<const Method*>& chosen)
         }
     };
     app.add_option_function<std::string>(
-           "--methods", read, "Methods, separated by commas; default all: " + listOfMethods())
+           "--methods", read,
+           "Methods, separated by commas; default all but the last three: " + listOfMethods())
         ->type_name("LIST");
 }
 
@@ -636,6 +663,7 @@ Mode addBench(CLI::App& tool)
     for (const char* option : {"--srcwin", "--band", "--cell-size"})
         app->get_option(option)->excludes(generate);
     addMethods(*app, options->methods);
+    addSettings(*app, options->settings, false);
     addAzimuthList(*app, options->azimuths);
     addSun(*app, options->sky);
     addSunRadius(*app, options->sky);
@@ -643,18 +671,19 @@ Mode addBench(CLI::App& tool)
         "--no-sun", [options](std::int64_t) { options->sky.sunEnabled = false; }, "Sky light only");
     addIndirect(*app, *options);
     addLimitedNumbers(
-        *app, "--posts", "N", {{"posts", 1.0, 1000000.0, true}},
+        *app, "--posts", "N", {{"posts", 0.0, 1000000.0, true}},
         "Random posts at which the error is measured (the sun's at 10 N, that of bounces "
-        "at N/10); default " +
+        "at N/10); 0: cost alone; default " +
             std::to_string(options->posts),
         [options](const auto& v) { options->posts = static_cast<std::size_t>(v[0]); });
     addLimitedNumbers(
         *app, "--seed", "N", {{"seed", 0.0, 4294967295.0, true}}, "Which random posts; default 1",
         [options](const auto& v) { options->seed = static_cast<std::uint32_t>(v[0]); });
-    addLimitedNumbers(*app, "--repeats", "N", {{"repeats", 1.0, 1000.0, true}},
-                      "Rounds, in each of which every row runs twice, the first time to warm up; "
-                      "times are medians; default 5",
-                      [options](const auto& v) { options->repeats = static_cast<int>(v[0]); });
+    addLimitedNumbers(
+        *app, "--repeats", "N", {{"repeats", 1.0, 1000.0, true}},
+        "Rounds, in each of which every row runs twice, the first time to warm up (once "
+        "where that takes 20 s); times are medians; default 5",
+        [options](const auto& v) { options->repeats = static_cast<int>(v[0]); });
     app->add_option("--csv", options->csv, "Table to write, a line per row")->type_name("FILE");
     app->add_option("--json", options->json, "The same with device, date and terrain")
         ->type_name("FILE");

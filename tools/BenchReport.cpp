@@ -227,16 +227,22 @@ std::string tableOf(const Report& report)
         (report.sky.sunEnabled ? "azimuth " + text(report.sky.sunAzimuth) + ", elevation " +
                                      text(report.sky.sunElevation) + " degrees\n"
                                : "off\n") +
-        "Reference: exhaustive horizons in double at " + std::to_string(report.skyPosts) +
-        " random posts (sun: " + std::to_string(report.sunPosts) + "), seed " +
-        std::to_string(report.seed) + "\n" + "Times:     median of " +
-        std::to_string(report.repeats) +
+        (report.quantities.empty()
+             ? std::string("Reference: none, cost alone\n")
+             : "Reference: exhaustive horizons in double at " + std::to_string(report.skyPosts) +
+                   " random posts (sun: " + std::to_string(report.sunPosts) + "), seed " +
+                   std::to_string(report.seed) + "\n") +
+        "Times:     median of " + std::to_string(report.repeats) +
         " rounds, in each of which every row runs after a warm-up\n";
     if (report.settings.bounces > 0)
         table += "Bounces:   " + std::to_string(report.settings.bounces) + ", albedo " +
-                 text(report.settings.albedo) + "; reference: " + std::to_string(report.paths) +
-                 " paths at each of " + std::to_string(report.indirectPosts) +
-                 " posts; their noise is taken out of rms and relative rms, and shown beside\n";
+                 text(report.settings.albedo) +
+                 (report.quantities.empty()
+                      ? std::string("\n")
+                      : "; reference: " + std::to_string(report.paths) + " paths at each of " +
+                            std::to_string(report.indirectPosts) +
+                            " posts; their noise is taken out of rms and relative rms, and shown "
+                            "beside\n");
     table += "\n" + costTable(report);
     for (std::size_t q = 0; q < report.quantities.size(); ++q)
         table += "\n" + errorTable(report, q);

@@ -3,6 +3,7 @@
 #include "io/AlbedoFile.h"
 
 #include "gpu/passes/HorizonPass.h"
+#include "io/LightParameters.h"
 
 #include <cpl_conv.h>
 #include <cpl_string.h>
@@ -145,6 +146,7 @@ Status compute(LitTile& lit, const SkyLight& sky, SkyViewDefinition definition, 
         if (cost.dispatches > 0)
             lit.azimuths += cost.name == "horizon" ? lit.settings.azimuths
                             : cost.name == "sun"   ? TileLighting::sunAzimuths
+                            : cost.name == "key"   ? TileLighting::keyAzimuths(sky, lit.settings)
                                                    : 0;
     progress.reach(computeEnd);
     return Nothing{};
@@ -408,6 +410,45 @@ void addSunRadius(CLI::App& app, SkyLight& sky)
                [&sky](const auto& v) { sky.sunAngularRadius = v[0]; });
 }
 
+void addAreaLights(CLI::App& app, SkyLight& sky)
+{
+    app.add_option_function<std::vector<std::string>>(
+           "--key-light",
+           [&sky](const std::vector<std::string>& given)
+           {
+               sky.keyLights.clear();
+               for (const std::string& text : given)
+               {
+                   const Result<KeyLight> key = parseKeyLight(text);
+                   if (!key)
+                       throw CLI::ValidationError("--key-light", key.error().message);
+                   sky.keyLights.push_back(*key);
+               }
+               if (const std::string wrong = complaint(sky); !wrong.empty())
+                   throw CLI::ValidationError("--key-light", wrong);
+           },
+           "Area light: middle of its azimuths and their width, lowest and highest elevation "
+           "[degrees], radiance (default 1); may be repeated, up to 8 times")
+        ->type_name("AZ,WIDTH,LOW,HIGH[,R,G,B]")
+        ->delimiter(';')
+        ->allow_extra_args(false);
+    app.add_option_function<std::string>(
+           "--sky-harmonics",
+           [&sky](const std::string& given)
+           {
+               LightParameters parameters;
+               Status set = setLightParameter(parameters, "sky_harmonics", given);
+               if (set && parameters.sky.skyHarmonics.empty())
+                   set = Error{ErrorCode::Invalid, "needs 1, 4, 9 or 16 coefficients"};
+               if (!set)
+                   throw CLI::ValidationError("--sky-harmonics", set.error().message);
+               sky.skyHarmonics = parameters.sky.skyHarmonics;
+           },
+           "Radiance of the sky, instead of a uniform one: 1, 4, 9 or 16 coefficients of real "
+           "spherical harmonics, each one number or each R,G,B; x east, y north, z up")
+        ->type_name("C,C,C,...");
+}
+
 void addReadOptions(CLI::App& app, DemReadOptions& read)
 {
     app.add_option_function<std::vector<int>>(
@@ -558,6 +599,14 @@ void addSun(Metadata& metadata, const SkyLight& sky)
     add(metadata, "SUN_AZIMUTH", text(sky.sunAzimuth));
     add(metadata, "SUN_ELEVATION", text(sky.sunElevation));
     add(metadata, "SUN_RADIUS", text(sky.sunAngularRadius));
+}
+
+void addAreaLights(Metadata& metadata, const SkyLight& sky)
+{
+    if (sky.skyEnabled && !sky.skyHarmonics.empty())
+        add(metadata, "SKY_HARMONICS", textOf(sky.skyHarmonics));
+    if (!sky.keyLights.empty())
+        add(metadata, "KEY_LIGHTS", textOf(sky.keyLights));
 }
 
 Metadata describe(const std::string& mode, const LitTile& lit, bool azimuths)

@@ -81,6 +81,8 @@ void addSettings(CLI::App& app, LightingSettings& settings, bool azimuths = true
 void addExposure(CLI::App& app, LightingSettings& settings);
 void addSun(CLI::App& app, SkyLight& sky);
 void addSunRadius(CLI::App& app, SkyLight& sky);
+/// --key-light and --sky-harmonics.
+void addAreaLights(CLI::App& app, SkyLight& sky);
 void addReadOptions(CLI::App& app, DemReadOptions& read);
 
 void addCellSize(CLI::App& app, std::function<void(double)> set);
@@ -182,6 +184,7 @@ struct LitTile
 Metadata describe(const std::string& mode, const LitTile& lit, bool azimuths);
 void add(Metadata& metadata, const std::string& name, const std::string& value);
 void addSun(Metadata& metadata, const SkyLight& sky);
+void addAreaLights(Metadata& metadata, const SkyLight& sky);
 
 /// Reads, computes, calls write, prints the summary. Before heights are read it makes sure that the
 /// output can be written; bands: of floats, 0 for a picture or EXR file. product: what

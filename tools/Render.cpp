@@ -1,5 +1,7 @@
 #include "Common.h"
 
+#include "io/LightParameters.h"
+
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include <cpl_conv.h>
@@ -81,6 +83,8 @@ std::string readerOptions(const CLI::App& app, const Options& options)
     add("--quality", "quality", toString(options.settings.quality));
     add("--exposure", "exposure", text(options.settings.exposure));
     add("--light", "light", options.light);
+    add("--key-light", "key_lights", textOf(options.sky.keyLights));
+    add("--sky-harmonics", "sky_harmonics", textOf(options.sky.skyHarmonics));
     add("--cell-size", "cell_size", text(options.cellSize));
     return result;
 }
@@ -308,6 +312,7 @@ Mode addRender(CLI::App& tool)
     app->add_flag("--top", options->top, "Straight down, north up, without perspective")
         ->excludes(eye);
     addSun(*app, options->sky);
+    addAreaLights(*app, options->sky);
     app->add_option("--light", options->light, "What lights the terrain; default both")
         ->check(CLI::IsMember({"off", "sky", "sun", "both"}))
         ->type_name("WHAT");

@@ -106,9 +106,12 @@ Status writePicture(const Options& options, const Metadata& metadata, const LitT
 
 Metadata metadataOf(const Options& options, const LitTile& lit)
 {
-    Metadata metadata = describe("shade", lit, options.sky.skyEnabled);
-    add(metadata, "SKY", options.sky.skyEnabled ? "uniform" : "none");
-    if (options.sky.skyEnabled)
+    Metadata metadata =
+        describe("shade", lit, options.sky.skyEnabled || !options.sky.keyLights.empty());
+    const bool uniform = options.sky.skyHarmonics.empty();
+    add(metadata, "SKY", !options.sky.skyEnabled ? "none" : uniform ? "uniform" : "harmonics");
+    addAreaLights(metadata, options.sky);
+    if (options.sky.skyEnabled && uniform)
         add(metadata, "SKY_RADIANCE", text(options.sky.skyRadiance));
     add(metadata, "BOUNCES", std::to_string(options.settings.bounces));
     if (options.settings.bounces > 0 || options.settings.bounceMethod != BounceMethod::Slices)
@@ -137,6 +140,13 @@ Status run(const Options& options)
         throw CLI::ValidationError("--bounce-method",
                                    std::string(toString(options.settings.bounceMethod)) +
                                        ": settings can be chosen for slices only");
+    if (!options.sky.skyHarmonics.empty() && !options.sky.skyEnabled)
+        throw CLI::ValidationError("--sky-harmonics", "needs a sky: leave out --sky none");
+    if ((options.maxError || options.maxMilliseconds) &&
+        (!options.sky.skyHarmonics.empty() || !options.sky.keyLights.empty()))
+        throw CLI::ValidationError(options.maxError ? "--max-error" : "--max-ms",
+                                   "chooses settings for a uniform sky and a sun: needs neither "
+                                   "--key-light nor --sky-harmonics");
     const auto write = [&](LitTile& lit, Progress& progress)
     {
         const Raster<osg::Vec4f> shading = lit.lighting->readShading(lit.gpu.state());
@@ -166,6 +176,7 @@ Mode addShade(CLI::App& tool)
                 "  terrainlight shade dem.tif shade.tif --sun 315,35\n"
                 "  terrainlight shade dem.tif shade.png --sun 315,35 --exposure 0.5\n"
                 "  terrainlight shade dem.tif glow.png --bounces 2 --albedo photo.tif\n"
+                "  terrainlight shade dem.tif key.png --no-sun --key-light 300,30,20,50,6,4,2\n"
                 "  terrainlight shade dem.tif sky.exr --no-sun --sky-radiance 1,1,1\n"
                 "  terrainlight shade dem.tif sun.tif --sun 120,10 --sky none "
                 "-co COMPRESS=DEFLATE");
@@ -195,6 +206,8 @@ Mode addShade(CLI::App& tool)
     };
     colour("sun-irradiance", "On a surface that faces the sun", options->sky.sunIrradiance);
     colour("sky-radiance", "Of the uniform sky", options->sky.skyRadiance);
+    addAreaLights(*app, options->sky);
+    app->get_option("--sky-radiance")->excludes("--sky-harmonics");
     addExposure(*app, options->settings);
     return {app, [options] { return run(*options); }};
 }

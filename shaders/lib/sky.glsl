@@ -62,6 +62,30 @@ real visibleDiscFractionAcross(Angle left, Angle centre, Angle right, Angle r)
     return clamp(visibleDiscFraction(centre, r) + change / real(4.0), real(0.0), real(1.0));
 }
 
+// Irradiance / pi by one slice of a light of radiance 1 between two elevations, 0 <= lowest < highest
+// <= 90 degrees, above a horizon.
+real keySlice(Angle horizon, Angle lowest, Angle highest, vec3 normal, real cosine, real sine,
+              Angle width)
+{
+    real nh = normal.x * cosine + normal.y * sine;
+    Angle top = HALF_PI - highest;
+    Angle bottom = min(HALF_PI - max(horizon, lowest), planeZenithAngle(normal.z, nh));
+    return bottom > top ? (sliceIrradiance(bottom, normal.z, nh, width) -
+                           sliceIrradiance(top, normal.z, nh, width)) / PI
+                        : real(0.0);
+}
+
+// Irradiance / pi, over that of a surface that faces it, by a disc at (east, north) in a cell: above is
+// how far its centre stands over the horizon of the corners [rad], in the order of cellNormal(), and is
+// bilinear between them, like the surface. So a shadow's edge goes through the cell where it would;
+// between the corners' visible fractions it would be a ramp of a cell's width.
+real discOnCell(vec4 above, real east, real north, Angle radius, vec3 normal, vec3 direction)
+{
+    Angle between = (above.x * (real(1.0) - east) + above.y * east) * (real(1.0) - north) +
+                    (above.z * (real(1.0) - east) + above.w * east) * north;
+    return visibleDiscFraction(between, radius) * max(dot(normal, direction), real(0.0)) / PI;
+}
+
 // One slice's share of a sky-view factor. elevation: of the horizon; the sky ends at the horizontal
 // in all three definitions. definition: 0 cosine to the normal, 1 cosine to the zenith, 2 solid angle.
 real skySlice(Angle elevation, vec3 normal, real cosine, real sine, Angle width, int definition)

@@ -47,6 +47,15 @@ vec2 riseBetweenPosts(sampler2D heights, vec2 place, ivec2 size, int frame, Leng
     return sum;
 }
 
+// Unit normal of a cell at (east, north), 0 ... 1, in it. corners: its heights south-west, south-east,
+// north-west, north-east; none void.
+vec3 cellNormal(vec4 corners, real east, real north, Length eastSpacing, Length northSpacing)
+{
+    real x = (corners.y - corners.x) * (real(1.0) - north) + (corners.w - corners.z) * north;
+    real y = (corners.z - corners.x) * (real(1.0) - east) + (corners.w - corners.y) * east;
+    return normalize(vec3(-x * northSpacing, -y * eastSpacing, eastSpacing * northSpacing));
+}
+
 // Unit normal at a post (texel of the framed texture): sum of the unnormalised normals of the up to
 // four adjacent cells that have no void corner (Timonen and Westerholm 2010, section 7); straight up
 // where there is none. eastSpacing and northSpacing [m] > 0.

@@ -7,7 +7,7 @@ uniform sampler2D heights;      // R32F [m], framed by `frame` void posts, row 0
 uniform sampler2D eastSpacings; // R32F [m], one texel per row
 uniform sampler2D stepLengths;  // R32F [m]: ground length of a step of azimuth x in row y
 uniform sampler2D albedo;       // one texel per post, or one for all
-uniform sampler2D radiance;     // rgb = what cells send out, a = 1 where valid
+uniform sampler2D radiance;     // of radiance.comp
 uniform sampler2D heightPyramid;   // RG32F: height times weight, weight
 uniform sampler2D radiancePyramid; // RGBA16F: radiance times weight, weight
 uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k/m from east
@@ -43,9 +43,7 @@ uniform ivec4 radianceLevels[16];
 
 #ifdef DIRECT
 uniform bool hasSky;
-uniform vec3 skyRadiance;
-uniform vec3 sunIrradiance; // 0 where there is none
-uniform vec3 sunDirection;
+uniform vec3 skyRadiance; // SKY_TABLE: 1
 
 // Direct irradiance / pi of the corners of the four cells that meet at a post, south-west, south-east,
 // north-west, north-east: each with that cell's normal there. Beside a void: 0.
@@ -57,7 +55,7 @@ struct CornerLight
 CornerLight lightOfCorners(ivec2 post, Length here, Length east, float visible)
 {
     vec3 normals[4];
-    float sky[4];
+    SkyShare sky[4];
     float whole[4];
     for (int i = 0; i < 4; ++i)
     {
@@ -68,7 +66,7 @@ CornerLight lightOfCorners(ivec2 post, Length here, Length east, float visible)
         normals[i] = normalize(vec3(float(side.x) * whole[i] * (here - besideX) * northSpacing,
                                     float(side.y) * whole[i] * (here - besideY) * east,
                                     east * northSpacing));
-        sky[i] = 0.0;
+        sky[i] = SkyShare(0.0);
     }
     float width = 2.0 * PI / float(azimuths);
     for (int k = 0; k < (hasSky ? azimuths : 0); ++k)
@@ -76,15 +74,40 @@ CornerLight lightOfCorners(ivec2 post, Length here, Length east, float visible)
         float phi = width * float(k);
         Angle elevation = elevationOfCode(texelFetch(horizon, ivec3(post, k), 0).x);
         for (int i = 0; i < 4; ++i)
-            sky[i] += skySlice(elevation, normals[i], cos(phi), sin(phi), width, 0);
+            sky[i] += skyShare(elevation, normals[i], cos(phi), sin(phi), width, k);
     }
     CornerLight corners;
     for (int i = 0; i < 4; ++i)
-        corners.light[i] =
-            whole[i] * (skyRadiance * sky[i] +
-                        sunIrradiance * (visible * max(dot(normals[i], sunDirection), 0.0) / PI));
+        corners.light[i] = whole[i] * skyRadiance * sky[i];
+#ifdef SUN
+    for (int i = 0; i < 4; ++i)
+        corners.light[i] +=
+            whole[i] * sunIrradiance * (visible * max(dot(normals[i], sunDirection), 0.0) / PI);
+#endif
+#ifdef KEY_LIGHTS
+    for (int i = 0; i < 4; ++i)
+        corners.light[i] += whole[i] * keyLight(post, normals[i]);
+#endif
     return corners;
 }
+
+#ifdef SUN
+// What a cell sends out, with the sun's light of one place of it instead of the cell's mean.
+vec3 sentAt(vec2 place, Length east)
+{
+    ivec2 cell = clamp(ivec2(floor(place)), ivec2(0), size - 2);
+    vec2 inside = clamp(place - vec2(cell), 0.0, 1.0);
+    vec4 sent = texelFetch(radiance, cell, 0);
+    vec4 corners;
+    for (int i = 0; i < 4; ++i)
+        corners[i] = postHeight(heights, cell + ivec2(i % 2, i / 2) + frame);
+    vec3 normal = cellNormal(corners, inside.x, inside.y, east, northSpacing);
+    float share = discOnCell(sunAboveCorners(cell), inside.x, inside.y, sunRadius, normal, sunDirection);
+    ivec2 nearest = min(cell + ivec2(inside + 0.5), textureSize(albedo, 0) - 1);
+    vec3 more = texelFetch(albedo, nearest, 0).rgb * sunIrradiance * (share - sent.a);
+    return sent.a > 0.0 ? max(sent.rgb + more, 0.0) : vec3(0.0);
+}
+#endif
 #endif
 
 void main()
@@ -172,8 +195,12 @@ void main()
             ivec2 framed = clamp(place, ivec2(0), size - 1) + frame;
             Length height = crossingHeight(postHeight(heights, framed),
                                            postHeight(heights, framed + minor), offset - whole);
-            ivec2 cell = ivec2(floor(vec2(post) + samples[i].z * step));
-            vec3 sent = texelFetch(radiance, clamp(cell, ivec2(0), size - 2), 0).rgb;
+            vec2 between = vec2(post) + samples[i].z * step;
+#ifdef SUN
+            vec3 sent = sentAt(between, east);
+#else
+            vec3 sent = texelFetch(radiance, clamp(ivec2(floor(between)), ivec2(0), size - 2), 0).rgb;
+#endif
             slope = (height - here) / (distance * stepLength);
             seen = inside && !isVoid(height) && slope > highest;
             highest = seen ? max(highest, min(slope, cap)) : highest;

@@ -30,6 +30,7 @@ layout(rgba16f, binding = 0) uniform image2D shading; // += irradiance / pi
 uniform ivec4 radianceLevels[16]; // x, y, width, height in the pyramid's texture; the first is not used
 uniform int radianceLevelCount;
 uniform float darkest; // the least that the shading may become
+uniform bool fresh;    // it is 0 so far
 #ifdef SENDS_ON
 layout(rgba16f, binding = 1) writeonly uniform image2D light; // of blocks: irradiance / pi of this bounce
 #endif
@@ -220,7 +221,7 @@ void shade(ivec2 post, Incident incident, vec3 normal)
     imageStore(shading, post,
                vec4(roundedToHalf(max(sum, 0.0)), roundedToHalf(clamp(vec3(incident.sun), 0.0, 1.0)).x));
 #else
-    vec4 before = imageLoad(shading, post);
+    vec4 before = fresh ? vec4(0.0, 0.0, 0.0, 1.0) : imageLoad(shading, post);
     imageStore(shading, post, vec4(roundedToHalf(max(before.rgb + sum, darkest)), before.a));
 #endif
 }

@@ -3,7 +3,7 @@
 //
 // HEIGHTS stand on posts: a texel on every second one of the finer level, the first on the first, so that
 // levels need no shift and odd sizes no exception; it is the mean under the linear B-spline. Radiance
-// fills cells: a texel is the mean of four. ON_POSTS: radiance that stands on posts.
+// fills cells: a texel is the mean of four; FROM_CELLS: of radiance.comp. ON_POSTS: radiance that stands on posts.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 #ifdef HEIGHTS
@@ -21,6 +21,9 @@ vec4 finerTexel(ivec2 place)
     vec4 texel = texelFetch(finer, from.xy + clamp(place, ivec2(0), from.zw - 1), 0);
 #ifdef FROM_POSTS
     texel = isVoid(texel.x) ? vec4(0.0) : vec4(texel.x, 1.0, 0.0, 0.0);
+#endif
+#ifdef FROM_CELLS
+    texel.a = texel.a > 0.0 ? 1.0 : 0.0;
 #endif
     return inside ? texel : vec4(0.0);
 }

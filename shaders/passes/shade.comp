@@ -3,22 +3,15 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D heights; // R32F [m], framed by `frame` void posts, row 0 south
 uniform sampler2D eastSpacings; // R32F [m], one texel per row
-uniform sampler2D skyView; // R32F, sky-view factor; read where hasSky
-// Elevation codes towards the sun's disc, its left, centre and right; read where hasSun.
-uniform sampler2DArray sunHorizon;
+uniform sampler2D skyView; // R32F, sky-view factor; SKY_TABLE: rgb = irradiance / pi. Read where hasSky
 layout(rgba16f, binding = 0) writeonly uniform image2D shading;
 
 uniform ivec2 size; // posts
 uniform int frame;
 uniform float northSpacing; // [m]
 uniform bool hasSky;
-uniform bool hasSun;
-uniform vec3 skyRadiance;
-uniform vec3 sunIrradiance; // on a surface that faces the sun
-uniform vec3 sunDirection;  // unit, x east, y north, z up
-uniform float sunElevation; // [rad]
-uniform float sunRadius;    // [rad]
-uniform float sunOff;       // alpha where there is no sun stage: 1 switched off, 0 below the horizontal
+uniform vec3 skyRadiance; // SKY_TABLE: 1
+uniform float sunOff;       // alpha without the SUN: 1 switched off, 0 below the horizontal
 
 void main()
 {
@@ -33,20 +26,16 @@ void main()
     vec3 light = vec3(0.0);
     float visible = sunOff;
     if (hasSky)
-        light += skyRadiance * texelFetch(skyView, post, 0).x;
-    if (hasSun)
-    {
-        // The sky's edge is the horizontal, for the sun as for the sky.
-        float above[3];
-        for (int i = 0; i < 3; ++i)
-        {
-            float code = texelFetch(sunHorizon, ivec3(post, i), 0).x;
-            above[i] = sunElevation - max(elevationOfCode(code), 0.0);
-        }
-        visible = visibleDiscFractionAcross(above[0], above[1], above[2], sunRadius);
-        vec3 normal = postNormal(heights, post + frame,
-                                 texelFetch(eastSpacings, ivec2(0, post.y), 0).x, northSpacing);
-        light += sunIrradiance * (visible * max(dot(normal, sunDirection), 0.0) / PI);
-    }
+        light += skyRadiance * SkyShare(texelFetch(skyView, post, 0));
+#ifdef KEY_LIGHTS
+    light += keyLight(post, postNormal(heights, post + frame,
+                                       texelFetch(eastSpacings, ivec2(0, post.y), 0).x, northSpacing));
+#endif
+#ifdef SUN
+    visible = visibleDiscFractionAcross(sunAbove(post, 0), sunAbove(post, 1), sunAbove(post, 2), sunRadius);
+    vec3 normal = postNormal(heights, post + frame, texelFetch(eastSpacings, ivec2(0, post.y), 0).x,
+                             northSpacing);
+    light += sunIrradiance * (visible * max(dot(normal, sunDirection), 0.0) / PI);
+#endif
     imageStore(shading, post, vec4(roundedToHalf(light), roundedToHalf(vec3(visible)).x));
 }

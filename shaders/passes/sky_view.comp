@@ -1,11 +1,16 @@
 // Sky-view factor of every post from its horizons: the irradiance, over pi, of a uniform sky of
-// radiance 1 above the horizontal (TW10 Eq. 5), or one of the two other definitions in use.
+// radiance 1 above the horizontal (TW10 Eq. 5), or one of the two other definitions in use. SKY_TABLE: the
+// light of a sky of any radiance instead.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D heights; // R32F [m], framed by `frame` void posts, row 0 south
 uniform sampler2D eastSpacings; // R32F [m], one texel per row
 uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k/m from east
+#ifdef SKY_TABLE
+layout(rgba16f, binding = 0) writeonly uniform image2D skyLight; // irradiance / pi
+#else
 layout(r32f, binding = 0) writeonly uniform image2D skyView;
+#endif
 
 uniform ivec2 size; // posts
 uniform int frame;
@@ -20,18 +25,30 @@ void main()
         return;
     if (isVoid(postHeight(heights, post + frame)))
     {
+#ifdef SKY_TABLE
+        imageStore(skyLight, post, vec4(0.0));
+#else
         imageStore(skyView, post, vec4(-1.0));
+#endif
         return;
     }
     vec3 normal = postNormal(heights, post + frame,
                              texelFetch(eastSpacings, ivec2(0, post.y), 0).x, northSpacing);
     float width = 2.0 * PI / float(azimuths);
-    float sum = 0.0;
+    SkyShare sum = SkyShare(0.0);
     for (int k = 0; k < azimuths; ++k)
     {
         float phi = width * float(k);
         float elevation = elevationOfCode(texelFetch(horizon, ivec3(post, k), 0).x);
+#ifdef SKY_TABLE
+        sum += skyShare(elevation, normal, cos(phi), sin(phi), width, k);
+#else
         sum += skySlice(elevation, normal, cos(phi), sin(phi), width, definition);
+#endif
     }
+#ifdef SKY_TABLE
+    imageStore(skyLight, post, vec4(roundedToHalf(sum), 1.0));
+#else
     imageStore(skyView, post, vec4(sum));
+#endif
 }

@@ -1,5 +1,6 @@
-// Time of the stages on generated terrain: horizons by quality and size, sun, sky view and shading.
-// Wall clock, ended by glFinish. The rate counts posts times azimuths.
+// Time of the stages on generated terrain: horizons by quality and size, sun, sky view and shading;
+// and of updates in which the sun moves, by the interval between bounces. Wall clock, ended by
+// glFinish. The rate counts posts times azimuths.
 #include "core/SyntheticTerrain.h"
 #include "gpu/HeadlessContext.h"
 #include "scene/TileLighting.h"
@@ -68,6 +69,42 @@ void benchmarkStage(benchmark::State& bench, const char* stage, HorizonQuality q
     runStage(bench, stage, quality, static_cast<int>(bench.range(0)),
              static_cast<int>(bench.range(1)));
 }
+
+/// A sun that moves over still heights, two bounces, by bounceInterval: the mean update.
+void movingSun(benchmark::State& bench)
+{
+    if (!context())
+    {
+        bench.SkipWithError("no OpenGL context");
+        return;
+    }
+    osg::State& state = context()->state();
+    const int size = static_cast<int>(bench.range(0));
+    LightingSettings settings;
+    settings.bounces = 2;
+    settings.bounceInterval = static_cast<int>(bench.range(1));
+    SkyLight sky;
+    const osg::ref_ptr<TileLighting> lighting = new TileLighting(
+        generateTerrain(TerrainKind::Fractal, size, size, 30.0, 1).value(), settings, sky);
+    const auto moveAndUpdate = [&]
+    {
+        sky.sunAzimuth += 1.0;
+        lighting->setSky(sky);
+        benchmark::DoNotOptimize(lighting->update(state));
+        glFinish();
+    };
+    moveAndUpdate();
+    for (auto _ : bench)
+        for (int i = 0; i < 8; ++i) // whole rounds of each interval
+            moveAndUpdate();
+    bench.counters["updates"] = benchmark::Counter(8.0 * static_cast<double>(bench.iterations()),
+                                                   benchmark::Counter::kIsRate);
+}
+BENCHMARK(movingSun)
+    ->ArgNames({"size", "interval"})
+    ->ArgsProduct({{128, 512}, {1, 2, 4, 8}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 OTL_BENCHMARK(horizon, Draft)->Args({512, 32})->Args({1024, 32});
 OTL_BENCHMARK(horizon, Normal)->Args({256, 32})->Args({512, 32})->Args({1024, 32})->Args({512, 8});

@@ -90,6 +90,23 @@ TYPED_TEST(SurfaceFunctions, NormalOfABilinearPatch)
                 unit({-0.25 * y / 2.0, -0.25 * x / 0.5, 1.0}), 8.0 * roundoff<TypeParam>);
 }
 
+TYPED_TEST(SurfaceFunctions, NormalInACell)
+{
+    Glsl<TypeParam> glsl;
+    using Vec4 = typename Glsl<TypeParam>::vec4;
+    // z = a + b·east + c·north + d·east·north in shares of a cell, spacings 2 and 0.5: the gradient
+    // is ((b + d·north)/2, (c + d·east)/0.5). Eighths: all heights are exact.
+    const double a = 100.0, b = 0.75, c = -0.25, d = 1.5;
+    const Vec4 corners = {TypeParam(a), TypeParam(a + b), TypeParam(a + c),
+                          TypeParam(a + b + c + d)};
+    for (const double east : {0.0, 0.25, 0.5, 1.0})
+        for (const double north : {0.0, 0.375, 1.0})
+            expectNear<TypeParam>(glsl.cellNormal(corners, TypeParam(east), TypeParam(north),
+                                                  TypeParam(2), TypeParam(0.5)),
+                                  unit({-(b + d * north) / 2.0, -(c + d * east) / 0.5, 1.0}),
+                                  8.0 * roundoff<TypeParam>);
+}
+
 TYPED_TEST(SurfaceFunctions, NormalForEveryPatternOfVoidsAround)
 {
     using G = Glsl<TypeParam>;

@@ -149,6 +149,69 @@ TEST_F(PassChainTest, AStageThatIsNotNeededCostsNothing)
     EXPECT_EQ(_chain.costs()[1].dispatches, 2u);
 }
 
+TEST_F(PassChainTest, AStageMayWaitOrSkip)
+{
+    using Turn = PassChain::Turn;
+    const Value source = _chain.addSource();
+    const Value a = stage("a", {source});
+    Turn turn = Turn::Run;
+    std::string asked;
+    PassChain::Stage late;
+    late.name = "late";
+    late.inputs = {a};
+    late.needed = [] { return true; };
+    late.run = [this](osg::State&) -> Status
+    {
+        _ran += "late ";
+        return Nothing{};
+    };
+    late.bytes = [] { return std::size_t(0); };
+    late.destroy = [] {};
+    late.turn = [&](unsigned context)
+    {
+        asked += std::to_string(context);
+        return turn;
+    };
+    stage("b", {_chain.addStage(late)});
+    osg::ref_ptr<osg::State> state = new osg::State;
+    state->setContextID(2);
+    const auto ranNow = [&]
+    {
+        _ran.clear();
+        EXPECT_TRUE(_chain.run(*state).ok());
+        return _ran;
+    };
+    EXPECT_EQ(ranNow(), "a2 late b2 ");
+    EXPECT_FALSE(_chain.isDirty(2));
+
+    // It waits: what it wrote last stays, and it is asked again.
+    turn = Turn::Wait;
+    _chain.touch(source);
+    EXPECT_TRUE(_chain.isDirty(2, a));
+    EXPECT_EQ(ranNow(), "a2 ");
+    EXPECT_TRUE(_chain.isDirty(2));
+    EXPECT_FALSE(_chain.isDirty(2, a));
+    EXPECT_EQ(ranNow(), "");
+    turn = Turn::Run;
+    EXPECT_EQ(ranNow(), "late b2 ");
+    EXPECT_FALSE(_chain.isDirty(2));
+    EXPECT_EQ(asked, "2222") << "asked where inputs have changed, and only there";
+
+    // It skips: there was nothing to do.
+    turn = Turn::Skip;
+    _chain.touch(source);
+    EXPECT_EQ(ranNow(), "a2 ");
+    EXPECT_FALSE(_chain.isDirty(2));
+    turn = Turn::Run;
+    EXPECT_EQ(ranNow(), "");
+    EXPECT_EQ(_chain.costs()[1].dispatches, 2u);
+
+    // One stage may be asked to run again, in one context.
+    _chain.forget(2, a);
+    EXPECT_TRUE(_chain.isDirty(2));
+    EXPECT_EQ(ranNow(), "a2 late b2 ");
+}
+
 TEST_F(PassChainTest, EachContextHasItsOwnVersions)
 {
     const Value source = _chain.addSource();

@@ -76,7 +76,7 @@ TEST(Plugin, TakesOptions)
 {
     auto result = read(dem + ".terrainlight",
                        "sun_azimuth=120 sun_elevation=12.5 azimuths=16 quality=draft exposure=-1 "
-                       "light=sun sun_irradiance=1,2,3 sky_radiance=0.5");
+                       "light=sun sun_irradiance=1,2,3 sky_radiance=0.5 bounce_interval=4");
     TerrainLighting* lighting = lightingOf(result);
     ASSERT_TRUE(lighting) << result.message();
     EXPECT_EQ(lighting->getSkyLight().sunAzimuth, 120.0);
@@ -87,6 +87,17 @@ TEST(Plugin, TakesOptions)
     EXPECT_EQ(lighting->getSettings().azimuths, 16);
     EXPECT_EQ(lighting->getSettings().quality, HorizonQuality::Draft);
     EXPECT_EQ(lighting->getSettings().exposure, -1.0);
+    EXPECT_EQ(lighting->getSettings().bounceInterval, 4);
+    auto lights = read(dem + ".terrainlight", "key_lights=300,30,20,50,6,4,2;80,60,-10,10 "
+                                              "sky_harmonics=1,0,0.5,0");
+    lighting = lightingOf(lights);
+    ASSERT_TRUE(lighting) << lights.message();
+    ASSERT_EQ(lighting->getSkyLight().keyLights.size(), 2u);
+    EXPECT_EQ(lighting->getSkyLight().keyLights[0].radiance, (Rgb{6.0f, 4.0f, 2.0f}));
+    EXPECT_EQ(lighting->getSkyLight().keyLights[1].lowest, -10.0);
+    EXPECT_EQ(lighting->getSkyLight().keyLights[1].radiance, (Rgb{1.0f, 1.0f, 1.0f}));
+    ASSERT_EQ(lighting->getSkyLight().skyHarmonics.size(), 4u);
+    EXPECT_EQ(lighting->getSkyLight().skyHarmonics[2], (Rgb{0.5f, 0.5f, 0.5f}));
     auto off = read(dem + ".terrainlight", "light=off");
     EXPECT_FALSE(lightingOf(off)->getLightEnabled());
 }
@@ -106,6 +117,10 @@ TEST(Plugin, RefusesOptionsByName)
         {"sun_irradiance=1,2,-3", "0 ... 1e+06"},
         {"colour=red", "colour = \"red\": no such setting; needs one of azimuths"},
         {"cell_size=0", "cell_size = \"0\": needs a number of metres more than 0"},
+        {"key_lights=1,2,3", "key light = \"1,2,3\": needs azimuth,width,lowest,highest"},
+        {"key_lights=0,30,50,20", "needs lowest < highest"},
+        {"key_lights=0,361,20,50", "width = 361 degrees: needs 0.1 ... 360"},
+        {"sky_harmonics=1,2", "needs 1, 4, 9 or 16 coefficients"},
         {"fast", "reader option fast: needs NAME=VALUE"}};
     for (const auto& [option, message] : bad)
     {

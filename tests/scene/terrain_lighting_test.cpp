@@ -206,6 +206,43 @@ TEST(TerrainLighting, AStillSceneDispatchesNothingAndAChangeOnlyWhatItReaches)
     EXPECT_EQ(lighting->getDispatchCount(), 1u + 1u + 2u + 3u);
 }
 
+// While the sun moves, tiles take turns with their bounces; once it stands, all catch up, and then
+// a still scene dispatches nothing.
+TEST(TerrainLighting, BouncesOfEveryNthFrameCatchUpWithLightThatStandsStill)
+{
+    OTL_NEED_GL(context);
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    for (int i = 0; i < 3; ++i)
+        lighting->addChild(createTerrain(analytic::cone(33, 33, 10.0, 16, 16, 120.0, 120.0)));
+    LightingSettings settings = lighting->getSettings();
+    settings.bounces = 1;
+    settings.bounceInterval = 3;
+    lighting->setSettings(settings);
+    ScenePicture picture(lighting, reach);
+    picture.draw(3);
+    ASSERT_EQ(lighting->getTileCount(), 3u);
+    auto counts = lighting->getDispatchCounts();
+    EXPECT_EQ(counts["bounce"], 3u);
+    SkyLight sky = lighting->getSkyLight();
+    for (unsigned frame = 1; frame <= 7; ++frame)
+    {
+        sky.sunAzimuth += 10.0;
+        lighting->setSkyLight(sky);
+        picture.draw();
+        counts = lighting->getDispatchCounts();
+        EXPECT_EQ(counts["bounce"], 3u + frame);
+        EXPECT_EQ(counts["indirect"], 2 * frame);
+        EXPECT_EQ(counts["shade"], 3 * (1 + frame));
+    }
+    picture.draw();
+    counts["bounce"] += 2; // the one whose turn it was is up to date
+    counts["shade"] += 2;
+    EXPECT_EQ(lighting->getDispatchCounts(), counts);
+    picture.draw(10);
+    EXPECT_EQ(lighting->getDispatchCounts(), counts);
+    EXPECT_EQ(takeGlErrors(), "");
+}
+
 TEST(TerrainLighting, EditedShadersAreTakenUpInAStillScene)
 {
     OTL_NEED_GL(context);
@@ -432,13 +469,24 @@ TEST(TerrainLighting, RefusesValuesOutsideTheirRange)
     sky.sunElevation = 100.0;
     lighting->setSkyLight(sky);
     EXPECT_EQ(lighting->getSkyLight().sunElevation, SkyLight().sunElevation);
+    sky = SkyLight();
+    sky.skyHarmonics.resize(3);
+    lighting->setSkyLight(sky);
+    EXPECT_TRUE(lighting->getSkyLight().skyHarmonics.empty());
+    sky.skyHarmonics.clear();
+    sky.keyLights.resize(9);
+    lighting->setSkyLight(sky);
+    sky.keyLights.resize(1);
+    sky.keyLights[0].lowest = sky.keyLights[0].highest;
+    lighting->setSkyLight(sky);
+    EXPECT_TRUE(lighting->getSkyLight().keyLights.empty());
     LightingSettings settings;
     settings.azimuths = 30;
     lighting->setSettings(settings);
     EXPECT_EQ(lighting->getSettings().azimuths, LightingSettings().azimuths);
     lighting->setTimeBudget(std::nan(""));
     EXPECT_EQ(lighting->getTimeBudget(), 50.0);
-    EXPECT_EQ(said.count("not set"), 3) << said.text();
+    EXPECT_EQ(said.count("not set"), 6) << said.text();
 }
 
 TEST(TerrainLighting, GoesThroughAFileAndBack)
@@ -450,11 +498,16 @@ TEST(TerrainLighting, GoesThroughAFileAndBack)
     sky.sunElevation = 12.5;
     sky.skyEnabled = false;
     sky.sunIrradiance = {1.0f, 2.0f, 3.0f};
+    sky.skyHarmonics = {{1.0f, 2.0f, 3.0f}, {-0.5f, 0.0f, 0.25f}, {0.1f, 0.2f, 0.3f}, {}};
+    sky.keyLights.resize(2);
+    sky.keyLights[1].azimuth = -33.5;
+    sky.keyLights[1].radiance = {0.5f, 4.0f, 0.0f};
     lighting->setSkyLight(sky);
     LightingSettings settings;
     settings.azimuths = 64;
     settings.quality = HorizonQuality::Best;
     settings.exposure = -1.5;
+    settings.bounceInterval = 7;
     lighting->setSettings(settings);
     lighting->setLightEnabled(false);
     lighting->setTextureUnit(5);
@@ -474,7 +527,13 @@ TEST(TerrainLighting, GoesThroughAFileAndBack)
         EXPECT_FALSE(read->getSkyLight().skyEnabled);
         EXPECT_TRUE(read->getSkyLight().sunEnabled);
         EXPECT_EQ(read->getSkyLight().sunIrradiance, sky.sunIrradiance);
+        EXPECT_EQ(read->getSkyLight().skyHarmonics, sky.skyHarmonics);
+        ASSERT_EQ(read->getSkyLight().keyLights.size(), 2u);
+        EXPECT_EQ(read->getSkyLight().keyLights[0].highest, 50.0);
+        EXPECT_EQ(read->getSkyLight().keyLights[1].azimuth, -33.5);
+        EXPECT_EQ(read->getSkyLight().keyLights[1].radiance, sky.keyLights[1].radiance);
         EXPECT_EQ(read->getSettings().azimuths, 64);
+        EXPECT_EQ(read->getSettings().bounceInterval, 7);
         EXPECT_EQ(read->getSettings().quality, HorizonQuality::Best);
         EXPECT_EQ(read->getSettings().exposure, -1.5);
         EXPECT_FALSE(read->getLightEnabled());

@@ -201,7 +201,8 @@ TEST_F(BenchMistakes, AreRefusedBeforeTheWork)
         {"dem.tif --azimuths 8,,16", 2, {"--azimuths", "8,,16"}},
         {"dem.tif --azimuths many", 2, {"--azimuths", "many"}},
         {"dem.tif --methods sweep-best,slow", 2, {"'slow'", "sweep-draft", "sweep-best"}},
-        {"dem.tif --posts 0", 2, {"posts", "0", "1 ... 1000000"}},
+        {"dem.tif --posts -1", 2, {"posts", "-1", "0 ... 1000000"}},
+        {"dem.tif --posts 0 --plot p.svg", 2, {"--plot", "needs --posts 1 or more"}},
         {"dem.tif --repeats 0", 2, {"repeats", "0", "1 ... 1000"}},
         {"dem.tif --seed -1", 2, {"seed", "-1"}},
         {"dem.tif --sun 315", 2, {"--sun", "AZ,EL"}},
@@ -625,6 +626,37 @@ TEST_F(Bench, SkyAloneBounces)
         EXPECT_LT(number(record, "indirect_relative_rms"),
                   record.at("method").rfind("sweep-", 0) == 0 ? 0.1 : 0.5)
             << record.at("method");
+    }
+}
+
+// No truth: a raster in degrees, which the path tracer refuses, has a cost all the same.
+TEST_F(Bench, CostAlone)
+{
+    const std::string degrees = jacksboro + " -srcwin 0 0 48 40";
+    for (const std::string& terrain : {std::string("--generate fractal --size 48"), degrees})
+    {
+        const ToolRun result =
+            run("bench " + terrain +
+                " --methods sweep-normal,subsampled-2,subsampled-4,legendre,legendre-2,legendre-4 "
+                "--azimuths 8 --bounces 2 --posts 0 --repeats 1 -q --csv b.csv --json b.json");
+        ASSERT_EQ(result.status, 0) << result.err;
+        EXPECT_TRUE(has(result.out, "Reference: none")) << result.out;
+        EXPECT_FALSE(has(result.out, "Error of")) << result.out;
+        std::istringstream csv(contentOf(path("b.csv")));
+        std::string line;
+        std::getline(csv, line);
+        EXPECT_EQ(line, "method,azimuths,gpu_horizon_ms,gpu_sky_ms,gpu_sun_ms,gpu_shade_ms,"
+                        "gpu_pyramid_ms,gpu_bounce_ms,gpu_ms,wall_ms,memory_bytes,skipped");
+        int rows = 0;
+        for (; std::getline(csv, line); ++rows)
+        {
+            const std::vector<std::string> values = split(line);
+            ASSERT_EQ(values.size(), 12u) << line;
+            EXPECT_GT(std::stod(values[7]), 0.0) << line;
+            EXPECT_GE(std::stod(values[8]), std::stod(values[7])) << line;
+            EXPECT_GT(std::stod(values[10]), 48.0 * 40.0 * 20.0) << line;
+        }
+        EXPECT_EQ(rows, 6);
     }
 }
 

@@ -231,6 +231,22 @@ TEST_F(RasterModes, ShadeMetadataAndCreationOptions)
     EXPECT_EQ(raster.description(4), "visible fraction of the sun");
 }
 
+TEST_F(RasterModes, ShadeByKeyLightsAndAHarmonicSky)
+{
+    const ToolRun result = run("shade " + jacksboro +
+                               " s.tif --no-sun --key-light 300,30,20,50,6,4,2 "
+                               "--key-light 10,40,-5,15 --sky-harmonics 1,0,0.2,0 "
+                               "-srcwin 10 20 60 50" +
+                               quick);
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_NE(result.out.find("shade: 3000 posts, 14 azimuths, "), std::string::npos) << result.out;
+    const ReadRaster raster(path("s.tif"));
+    EXPECT_EQ(raster.metadata("TERRAINLIGHT_SKY"), "harmonics");
+    EXPECT_EQ(raster.metadata("TERRAINLIGHT_SKY_HARMONICS"), "1,1,1,0,0,0,0.2,0.2,0.2,0,0,0");
+    EXPECT_EQ(raster.metadata("TERRAINLIGHT_SKY_RADIANCE"), "");
+    EXPECT_EQ(raster.metadata("TERRAINLIGHT_KEY_LIGHTS"), "300,30,20,50,6,4,2;10,40,-5,15,1,1,1");
+}
+
 TEST_F(RasterModes, ShadeExrHasTheSameValuesNorthFirst)
 {
     const std::string window = " -q -srcwin 0 0 60 40" + quick;

@@ -52,6 +52,11 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
     /// posts' own normals: 4 and 16 times less work (docs/ARCHITECTURE.md has the errors). With
     /// Legendre, direct light too.
     int subsampling = 1;
+    /// While only light changes, bounces are computed in every n-th update, 1 … 16, and those of
+    /// the last time are added to new direct light in between (Nowrouzezahrai and Snyder 2009,
+    /// section 7). Anything else that changes brings new ones at once, and so does light that
+    /// stands still for one update: what stays is exact.
+    int bounceInterval = 1;
     /// What the ground reflects of the light it receives, 0 … 1 per channel, where a tile has no
     /// albedo of its own.
     std::array<float, 3> albedo = {0.5f, 0.5f, 0.5f};
@@ -100,7 +105,7 @@ struct OSGTERRAINLIGHT_EXPORT ParameterRange
     double maximum = 0.0;
     std::string meaning;
 
-    /// Names accepted: azimuths, bounces, subsampling, albedo,
+    /// Names accepted: azimuths, bounces, subsampling, bounce-interval, albedo,
     /// exposure, sun-azimuth, sun-elevation, sun-radius, sun-irradiance,
     /// max-error, max-ms, sky-radiance. Null where there is no such parameter.
     static const ParameterRange* find(const std::string& name);

@@ -63,6 +63,8 @@ const std::vector<ParameterRange>& ParameterRange::all()
         {"azimuths", "", 4, 256, "azimuths of the horizon map, a multiple of 4"},
         {"bounces", "", 0, 8, "diffuse bounces of light from terrain to terrain"},
         {"subsampling", "", 1, 4, "posts from one that gathers bounces to the next: 1, 2 or 4"},
+        {"bounce-interval", "", 1, 16,
+         "updates of light alone from one with new bounces to the next"},
         {"albedo", "", 0, 1, "part of the light that the ground reflects, per channel"},
         {"exposure", "stops", -20, 20, "brightness of the displayed picture"},
         {"sun-azimuth", "degrees", -360, 720, "clockwise from north"},
@@ -89,7 +91,7 @@ std::string ParameterRange::complaint(double value) const
     const bool inRange = value >= minimum && value <= maximum; // false for NaN
     const bool isCount = name == "azimuths";
     const bool isPower = name == "subsampling";
-    const bool isWhole = isCount || isPower || name == "bounces";
+    const bool isWhole = isCount || isPower || name == "bounces" || name == "bounce-interval";
     if (inRange && (!isWhole || value == std::floor(value)) && (!isPower || value != 3.0) &&
         (!isCount || AzimuthSet::isValidCount(static_cast<int>(value))))
         return {};

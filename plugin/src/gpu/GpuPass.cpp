@@ -16,6 +16,14 @@ GpuPass::GpuPass(std::string name, std::vector<std::string> defines)
 {
 }
 
+void GpuPass::setDefines(std::vector<std::string> defines)
+{
+    if (defines == _defines)
+        return;
+    _defines = std::move(defines);
+    _program = nullptr;
+}
+
 void GpuPass::reads(const std::string& uniform, osg::Texture* texture)
 {
     for (Input& input : _inputs)
@@ -24,6 +32,8 @@ void GpuPass::reads(const std::string& uniform, osg::Texture* texture)
             input.texture = texture;
             return;
         }
+    if (!texture)
+        return;
     set(uniform, static_cast<int>(_inputs.size()));
     _inputs.push_back({uniform, texture});
 }
@@ -111,7 +121,8 @@ Status GpuPass::dispatch(osg::State& state, Groups groups)
         if (!output.texture->getTextureObject(context))
             applyTexture(0, *output.texture);
     for (std::size_t unit = 0; unit < _inputs.size(); ++unit)
-        applyTexture(static_cast<unsigned>(unit), *_inputs[unit].texture);
+        if (_inputs[unit].texture)
+            applyTexture(static_cast<unsigned>(unit), *_inputs[unit].texture);
 
     _program->apply(state);
     const osg::Program::PerContextProgram* linked = _program->getPCP(state);

@@ -31,7 +31,11 @@ public:
 
     const std::string& name() const { return _name; }
 
-    /// Declares that sampler `uniform` reads `texture`. Texture units are counted up from 0.
+    /// Another variant from the next dispatch on.
+    void setDefines(std::vector<std::string> defines);
+
+    /// Declares that sampler `uniform` reads `texture`. Texture units are counted up from 0. Null:
+    /// the variant has no such sampler, and what it read before is let go.
     void reads(const std::string& uniform, osg::Texture* texture);
 
     enum class Access

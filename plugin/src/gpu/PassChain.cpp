@@ -63,6 +63,12 @@ Status PassChain::run(osg::State& state)
         const auto seen = context.seen.find(i);
         if (seen != context.seen.end() && seen->second == inputs)
             continue;
+        const unsigned id = state.getContextID();
+        const Turn turn = entry.stage.turn ? entry.stage.turn(id) : Turn::Run;
+        if (turn == Turn::Skip)
+            context.seen[i] = std::move(inputs);
+        if (turn != Turn::Run)
+            continue;
 
         const auto* extensions = state.get<osg::GLExtensions>();
         GLuint query = 0;
@@ -102,6 +108,11 @@ Status PassChain::run(osg::State& state)
 
 bool PassChain::isDirty(unsigned contextID) const
 {
+    return !_stages.empty() && isDirty(contextID, _stages.back().output);
+}
+
+bool PassChain::isDirty(unsigned contextID, Value last) const
+{
     const auto found = _contexts.find(contextID);
     for (std::size_t i = 0; i < _stages.size(); ++i)
     {
@@ -111,12 +122,16 @@ bool PassChain::isDirty(unsigned contextID) const
         {
             if (needed)
                 return true;
-            continue;
         }
-        const auto seen = found->second.seen.find(i);
-        const bool ran = seen != found->second.seen.end();
-        if (needed != ran || (needed && seen->second != inputVersions(entry, found->second)))
-            return true;
+        else
+        {
+            const auto seen = found->second.seen.find(i);
+            const bool ran = seen != found->second.seen.end();
+            if (needed != ran || (needed && seen->second != inputVersions(entry, found->second)))
+                return true;
+        }
+        if (entry.output == last)
+            return false;
     }
     return false;
 }
@@ -127,6 +142,13 @@ void PassChain::forget(unsigned contextID)
         _contexts.clear();
     else
         _contexts.erase(contextID);
+}
+
+void PassChain::forget(unsigned contextID, Value output)
+{
+    for (std::size_t i = 0; i < _stages.size(); ++i)
+        if (_stages[i].output == output)
+            _contexts[contextID].seen.erase(i);
 }
 
 std::vector<StageCost> PassChain::costs() const

@@ -40,6 +40,13 @@ public:
     Value addSource();
     void touch(Value source);
 
+    enum class Turn
+    {
+        Run,
+        Wait, ///< not this time: the stage stays behind its inputs, and the chain dirty
+        Skip  ///< nothing to do for these inputs
+    };
+
     struct Stage
     {
         std::string name;
@@ -50,6 +57,8 @@ public:
         std::function<Status(osg::State&)> run;
         std::function<std::size_t()> bytes;
         std::function<void()> destroy;
+        /// Asked in a context where inputs have changed; none: Run.
+        std::function<Turn(unsigned contextID)> turn = {};
     };
 
     /// Stages run in the order in which they are added. Returns the value that the stage writes.
@@ -61,10 +70,14 @@ public:
 
     /// True where run() would run at least one stage.
     bool isDirty(unsigned contextID) const;
+    /// The same for the stages up to the one that writes a value.
+    bool isDirty(unsigned contextID, Value last) const;
 
     /// Forget everything that was computed in a context (all contexts: ~0u), as its textures are
     /// gone.
     void forget(unsigned contextID);
+    /// The stage that writes a value runs again in a context.
+    void forget(unsigned contextID, Value output);
 
     /// Measure GPU and wall time of each run; each then waits for the GPU.
     void setTimed(bool timed) { _timed = timed; }

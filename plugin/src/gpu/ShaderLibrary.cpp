@@ -91,7 +91,7 @@ Result<ComposedShader> ShaderLibrary::compose(const std::string& name,
     std::vector<std::string> names = {"preamble.glsl"};
     for (const std::string& file : listed(*list))
         names.push_back("lib/" + file);
-    names.push_back(name);
+    names.insert(names.end(), {"lights.glsl", name});
 
     ComposedShader shader;
     shader.text = "#version 430\n";

@@ -32,6 +32,8 @@ Format formatOf(GLint internalFormat)
         return {internalFormat, GL_RG, GL_FLOAT, 8};
     case GL_RGBA16F_ARB:
         return {internalFormat, GL_RGBA, GL_HALF_FLOAT, 8};
+    case GL_RGBA32F_ARB:
+        return {internalFormat, GL_RGBA, GL_FLOAT, 16};
     default:
         assert(internalFormat == GL_R32F);
         return {internalFormat, GL_RED, GL_FLOAT, 4};

@@ -131,10 +131,35 @@ private:
         {
             if (child.type() != pugi::node_element)
                 continue;
+            const bool key = std::string(child.name()) == "key_light";
+            if (Status read = key ? readKeyLight(child) : Status(Nothing{}); !read)
+                return read;
+            if (key)
+                continue;
             Status set = setLightParameter(_map.light, child.name(), trimmed(child.text().get()));
             if (!set)
                 return error(lineOf(child), "<terrain_light> " + set.error().message);
         }
+        return Nothing{};
+    }
+
+    Status readKeyLight(const pugi::xml_node& element)
+    {
+        KeyLight key;
+        for (const pugi::xml_attribute& attribute : element.attributes())
+            if (Status set = setKeyLight(key, attribute.name(), attribute.value()); !set)
+                return error(lineOf(element, attribute.name()),
+                             "<key_light> " + set.error().message);
+        for (const pugi::xml_node& child : element.children())
+        {
+            if (child.type() != pugi::node_element)
+                continue;
+            if (Status set = setKeyLight(key, child.name(), trimmed(child.text().get())); !set)
+                return error(lineOf(child), "<key_light> " + set.error().message);
+        }
+        _map.light.sky.keyLights.push_back(key);
+        if (const std::string wrong = complaint(_map.light.sky); !wrong.empty())
+            return error(lineOf(element), "<key_light> " + wrong);
         return Nothing{};
     }
 

@@ -1,6 +1,11 @@
 #include "io/LightParameters.h"
 
+#include "core/KeySlices.h"
+
 #include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <locale>
 #include <sstream>
 
@@ -49,13 +54,14 @@ Status setNumbers(LightParameters& parameters, const ParameterRange& range, cons
                   : range.name == "sky-radiance" ? &parameters.sky.skyRadiance
                   : range.name == "albedo"       ? &parameters.settings.albedo
                                                  : nullptr;
-    const Error bad = refused(name, text,
-                              (colour                        ? "one number or three, "
-                               : range.name == "azimuths"    ? "a multiple of 4, "
-                               : range.name == "subsampling" ? "a power of 2, "
-                               : range.name == "bounces"     ? "a whole number, "
-                                                             : "a number, ") +
-                                  rangeOf(range));
+    const Error bad =
+        refused(name, text,
+                (colour                        ? "one number or three, "
+                 : range.name == "azimuths"    ? "a multiple of 4, "
+                 : range.name == "subsampling" ? "a power of 2, "
+                 : range.name == "bounces" || range.name == "bounce-interval" ? "a whole number, "
+                                                                              : "a number, ") +
+                    rangeOf(range));
     const std::vector<double> values = numbersIn(text);
     if (values.size() != 1 && !(colour && values.size() == 3))
         return bad;
@@ -72,6 +78,8 @@ Status setNumbers(LightParameters& parameters, const ParameterRange& range, cons
         parameters.settings.bounces = static_cast<int>(value);
     else if (range.name == "subsampling")
         parameters.settings.subsampling = static_cast<int>(value);
+    else if (range.name == "bounce-interval")
+        parameters.settings.bounceInterval = static_cast<int>(value);
     else if (range.name == "exposure")
         parameters.settings.exposure = value;
     else if (range.name == "sun-azimuth")
@@ -89,6 +97,82 @@ std::string complaintOf(const char* name, double value)
 {
     return ParameterRange::find(name)->complaint(value);
 }
+
+/// Of each key light.
+const std::vector<ParameterRange>& keyRanges()
+{
+    static const std::vector<ParameterRange> table = {
+        {"azimuth", "degrees", -360, 720, "of its middle, clockwise from north"},
+        {"width", "degrees", 0.1, 360, "of azimuth"},
+        {"lowest", "degrees", -90, 90, "above the horizontal"},
+        {"highest", "degrees", -90, 90, "above the horizontal"},
+        {"radiance", "", 0, 1e6, "per channel"},
+    };
+    return table;
+}
+
+constexpr const char* keyLightForm = "azimuth,width,lowest,highest, then nothing, a radiance or "
+                                     "red,green,blue";
+constexpr const char* harmonicsForm = "1, 4, 9 or 16 coefficients, each one number or each three";
+
+std::string tooMany(std::size_t count)
+{
+    return std::to_string(count) + " key lights: needs at most " + std::to_string(maxKeyLights);
+}
+
+Status setHarmonics(SkyLight& sky, const std::string& name, const std::string& text)
+{
+    const std::vector<double> values = numbersIn(text);
+    const std::size_t count = values.size();
+    std::size_t channels = 0;
+    for (const std::size_t coefficients : {1u, 4u, 9u, 16u})
+        for (const std::size_t each : {1u, 3u})
+            if (count == each * coefficients)
+                channels = each;
+    if (channels == 0 && text.find_first_not_of(" ") != std::string::npos)
+        return refused(name, text,
+                       std::string(harmonicsForm) + "; these are " + std::to_string(count) +
+                           " numbers");
+    std::vector<Rgb> harmonics(channels ? count / channels : 0);
+    for (std::size_t i = 0; i < harmonics.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            harmonics[i][c] = static_cast<float>(values[channels * i + (channels == 3 ? c : 0)]);
+    sky.skyHarmonics = harmonics;
+    return Nothing{};
+}
+
+Status setKeyLights(SkyLight& sky, const std::string& name, const std::string& text)
+{
+    std::vector<KeyLight> keys;
+    std::istringstream list(text);
+    for (std::string one; std::getline(list, one, ';');)
+    {
+        const Result<KeyLight> key = parseKeyLight(one);
+        if (!key)
+            return Error{ErrorCode::Invalid, name + ": " + key.error().message};
+        keys.push_back(*key);
+    }
+    if (keys.size() > maxKeyLights)
+        return Error{ErrorCode::Invalid, name + ": " + tooMany(keys.size())};
+    sky.keyLights = keys;
+    return Nothing{};
+}
+
+std::string numbersText(const std::vector<double>& values)
+{
+    std::string text;
+    for (const double value : values)
+    {
+        // The shortest that reads back as the same; of a float, as the same float.
+        std::array<char, 32> digits{};
+        const float single = static_cast<float>(value);
+        const auto end = static_cast<double>(single) == value
+                             ? std::to_chars(digits.begin(), digits.end(), single).ptr
+                             : std::to_chars(digits.begin(), digits.end(), value).ptr;
+        text += (text.empty() ? "" : ",") + std::string(digits.begin(), end);
+    }
+    return text;
+}
 } // namespace
 
 std::vector<std::string> lightParameterNames()
@@ -96,7 +180,7 @@ std::vector<std::string> lightParameterNames()
     std::vector<std::string> names;
     for (const ParameterRange& range : ParameterRange::all())
         names.push_back(underscored(range.name));
-    names.insert(names.end(), {"quality", "bounce_method", "light"});
+    names.insert(names.end(), {"quality", "bounce_method", "light", "sky_harmonics", "key_lights"});
     return names;
 }
 
@@ -120,6 +204,10 @@ Status setLightParameter(LightParameters& parameters, const std::string& name,
         parameters.sky.sunEnabled = value != "sky";
         return Nothing{};
     }
+    if (name == "sky_harmonics")
+        return setHarmonics(parameters.sky, name, value);
+    if (name == "key_lights")
+        return setKeyLights(parameters.sky, name, value);
     for (const ParameterRange& range : ParameterRange::all())
         if (name == underscored(range.name))
             return setNumbers(parameters, range, name, value);
@@ -129,6 +217,89 @@ Status setLightParameter(LightParameters& parameters, const std::string& name,
         known += (known.empty() ? "" : ", ") + other;
     return Error{ErrorCode::NotSupported,
                  name + " = \"" + value + "\": no such setting; needs one of " + known};
+}
+
+Result<KeyLight> parseKeyLight(const std::string& text)
+{
+    const std::vector<double> values = numbersIn(text);
+    if (values.size() != 4 && values.size() != 5 && values.size() != 7)
+        return refused("key light", text, keyLightForm);
+    KeyLight key;
+    key.azimuth = values[0];
+    key.width = values[1];
+    key.lowest = values[2];
+    key.highest = values[3];
+    for (std::size_t c = 0; values.size() > 4 && c < 3; ++c)
+        key.radiance[c] = static_cast<float>(values[values.size() == 7 ? 4 + c : 4]);
+    if (const std::string wrong = complaint(key); !wrong.empty())
+        return Error{ErrorCode::Invalid, wrong};
+    return key;
+}
+
+Status setKeyLight(KeyLight& key, const std::string& name, const std::string& value)
+{
+    const std::vector<double> values = numbersIn(value);
+    std::string known;
+    for (const ParameterRange& range : keyRanges())
+    {
+        known += (known.empty() ? "" : ", ") + range.name;
+        if (name != range.name)
+            continue;
+        const bool colour = name == "radiance";
+        bool good = values.size() == 1 || (colour && values.size() == 3);
+        for (double number : values)
+            good = good && range.complaint(number).empty();
+        if (!good)
+            return refused(name, value,
+                           (colour ? "one number or three, " : "a number, ") + rangeOf(range));
+        for (std::size_t c = 0; colour && c < 3; ++c)
+            key.radiance[c] = static_cast<float>(values[values.size() == 3 ? c : 0]);
+        if (!colour)
+            (name == "azimuth"  ? key.azimuth
+             : name == "width"  ? key.width
+             : name == "lowest" ? key.lowest
+                                : key.highest) = values.front();
+        return Nothing{};
+    }
+    return Error{ErrorCode::NotSupported, name + " = \"" + value +
+                                              "\": a key light has no such setting; needs one of " +
+                                              known};
+}
+
+std::string textOf(const std::vector<KeyLight>& keys)
+{
+    std::string text;
+    for (const KeyLight& key : keys)
+        text +=
+            (text.empty() ? "" : ";") +
+            numbersText({key.azimuth, key.width, key.lowest, key.highest,
+                         static_cast<double>(key.radiance[0]), static_cast<double>(key.radiance[1]),
+                         static_cast<double>(key.radiance[2])});
+    return text;
+}
+
+std::string textOf(const std::vector<Rgb>& harmonics)
+{
+    std::vector<double> values;
+    for (const Rgb& coefficient : harmonics)
+        values.insert(values.end(), coefficient.begin(), coefficient.end());
+    return numbersText(values);
+}
+
+std::string complaint(const KeyLight& key)
+{
+    const std::array<double, 4> places = {key.azimuth, key.width, key.lowest, key.highest};
+    for (std::size_t i = 0; i < 7; ++i)
+    {
+        const double value = i < 4 ? places[i] : static_cast<double>(key.radiance[i - 4]);
+        if (const std::string text = keyRanges()[std::min<std::size_t>(i, 4)].complaint(value);
+            !text.empty())
+            return "key light: " + text;
+    }
+    if (key.lowest < key.highest)
+        return {};
+    return "key light: lowest = " + numbersText({key.lowest}) +
+           " degrees, highest = " + numbersText({key.highest}) + " degrees: needs lowest < highest";
 }
 
 std::string complaint(const SkyLight& sky)
@@ -141,6 +312,18 @@ std::string complaint(const SkyLight& sky)
         found.push_back(complaintOf("sun-irradiance", static_cast<double>(sky.sunIrradiance[i])));
         found.push_back(complaintOf("sky-radiance", static_cast<double>(sky.skyRadiance[i])));
     }
+    for (const KeyLight& key : sky.keyLights)
+        found.push_back(complaint(key));
+    if (sky.keyLights.size() > maxKeyLights)
+        found.push_back(tooMany(sky.keyLights.size()));
+    const std::size_t count = sky.skyHarmonics.size();
+    if (count != 0 && count != 1 && count != 4 && count != 9 && count != 16)
+        found.push_back("sky harmonics: " + std::to_string(count) +
+                        " coefficients: needs 1, 4, 9 or 16");
+    for (const Rgb& coefficient : sky.skyHarmonics)
+        if (!std::all_of(coefficient.begin(), coefficient.end(),
+                         [](float channel) { return std::isfinite(channel); }))
+            found.push_back("sky harmonics: a coefficient is not finite");
     for (const std::string& text : found)
         if (!text.empty())
             return text;
@@ -152,6 +335,7 @@ std::string complaint(const LightingSettings& settings)
     std::vector<std::string> found = {complaintOf("azimuths", settings.azimuths),
                                       complaintOf("bounces", settings.bounces),
                                       complaintOf("subsampling", settings.subsampling),
+                                      complaintOf("bounce-interval", settings.bounceInterval),
                                       complaintOf("exposure", settings.exposure)};
     for (const float channel : settings.albedo)
         found.push_back(complaintOf("albedo", static_cast<double>(channel)));

@@ -44,6 +44,82 @@ static bool writeSkyLight(osgDB::OutputStream& os, const osgTerrainLight::Terrai
     return true;
 }
 
+// What few scenes have is written where they have it.
+static bool checkSkyHarmonics(const osgTerrainLight::TerrainLighting& node)
+{
+    return !node.getSkyLight().skyHarmonics.empty();
+}
+
+static bool readSkyHarmonics(osgDB::InputStream& is, osgTerrainLight::TerrainLighting& node)
+{
+    osgTerrainLight::SkyLight sky = node.getSkyLight();
+    unsigned count = 0;
+    is >> count >> is.BEGIN_BRACKET;
+    if (count > 16) // more than any; setSkyLight says so
+        count = 17;
+    sky.skyHarmonics.assign(count, {});
+    for (osgTerrainLight::Rgb& coefficient : sky.skyHarmonics)
+        for (float& channel : coefficient)
+            is >> channel;
+    is >> is.END_BRACKET;
+    node.setSkyLight(sky);
+    return true;
+}
+
+static bool writeSkyHarmonics(osgDB::OutputStream& os, const osgTerrainLight::TerrainLighting& node)
+{
+    const auto& harmonics = node.getSkyLight().skyHarmonics;
+    os << static_cast<unsigned>(harmonics.size()) << os.BEGIN_BRACKET << std::endl;
+    for (const osgTerrainLight::Rgb& coefficient : harmonics)
+    {
+        for (float channel : coefficient)
+            os << channel;
+        os << std::endl;
+    }
+    os << os.END_BRACKET << std::endl;
+    return true;
+}
+
+// Azimuth, width, lowest, highest [degrees], radiance.
+static bool checkKeyLights(const osgTerrainLight::TerrainLighting& node)
+{
+    return !node.getSkyLight().keyLights.empty();
+}
+
+static bool readKeyLights(osgDB::InputStream& is, osgTerrainLight::TerrainLighting& node)
+{
+    osgTerrainLight::SkyLight sky = node.getSkyLight();
+    unsigned count = 0;
+    is >> count >> is.BEGIN_BRACKET;
+    if (count > 8) // more than any; setSkyLight says so
+        count = 9;
+    sky.keyLights.assign(count, {});
+    for (osgTerrainLight::KeyLight& key : sky.keyLights)
+    {
+        is >> key.azimuth >> key.width >> key.lowest >> key.highest;
+        for (float& channel : key.radiance)
+            is >> channel;
+    }
+    is >> is.END_BRACKET;
+    node.setSkyLight(sky);
+    return true;
+}
+
+static bool writeKeyLights(osgDB::OutputStream& os, const osgTerrainLight::TerrainLighting& node)
+{
+    const auto& keys = node.getSkyLight().keyLights;
+    os << static_cast<unsigned>(keys.size()) << os.BEGIN_BRACKET << std::endl;
+    for (const osgTerrainLight::KeyLight& key : keys)
+    {
+        os << key.azimuth << key.width << key.lowest << key.highest;
+        for (float channel : key.radiance)
+            os << channel;
+        os << std::endl;
+    }
+    os << os.END_BRACKET << std::endl;
+    return true;
+}
+
 static bool checkSettings(const osgTerrainLight::TerrainLighting&)
 {
     return true;
@@ -64,6 +140,7 @@ static bool readSettings(osgDB::InputStream& is, osgTerrainLight::TerrainLightin
         OSG_WARN << "osgTerrainLight: bounce method " << method << " read from file: needs slices, "
                  << "legendre or legendre-bspline" << std::endl;
     is >> is.PROPERTY("Subsampling") >> settings.subsampling;
+    is >> is.PROPERTY("BounceInterval") >> settings.bounceInterval;
     is >> is.PROPERTY("Albedo");
     for (float& channel : settings.albedo)
         is >> channel;
@@ -85,6 +162,7 @@ static bool writeSettings(osgDB::OutputStream& os, const osgTerrainLight::Terrai
     os << os.PROPERTY("Bounces") << settings.bounces << std::endl;
     os << os.PROPERTY("BounceMethod") << std::string(toString(settings.bounceMethod)) << std::endl;
     os << os.PROPERTY("Subsampling") << settings.subsampling << std::endl;
+    os << os.PROPERTY("BounceInterval") << settings.bounceInterval << std::endl;
     os << os.PROPERTY("Albedo");
     for (const float channel : settings.albedo)
         os << channel;
@@ -99,6 +177,8 @@ REGISTER_OBJECT_WRAPPER(osgTerrainLight_TerrainLighting, new osgTerrainLight::Te
 {
     ADD_USER_SERIALIZER(SkyLight);
     ADD_USER_SERIALIZER(Settings);
+    ADD_USER_SERIALIZER(SkyHarmonics);
+    ADD_USER_SERIALIZER(KeyLights);
     ADD_BOOL_SERIALIZER(LightEnabled, true);
     ADD_DOUBLE_SERIALIZER(TimeBudget, 50.0);
     ADD_UINT_SERIALIZER(TextureUnit, osgTerrainLight::ShadingTexture::defaultUnit);

@@ -88,6 +88,10 @@ Result<SettingsTrial> SettingsTrial::create(osg::State& state, const DemTile& ti
                                             SkyViewDefinition definition,
                                             std::function<void(double)> progress)
 {
+    if (!sky.keyLights.empty() || (sky.skyEnabled && !sky.skyHarmonics.empty()))
+        return Error{ErrorCode::NotSupported,
+                     "settings are chosen for a uniform sky and a sun: needs "
+                     "neither key lights nor a sky in harmonics"};
     SettingsTrial trial;
     trial._tile = tile;
     trial._sky = sky;

@@ -28,12 +28,21 @@ namespace osgTerrainLight
 
 namespace
 {
+bool same(const KeyLight& a, const KeyLight& b)
+{
+    return a.azimuth == b.azimuth && a.width == b.width && a.lowest == b.lowest &&
+           a.highest == b.highest && a.radiance == b.radiance;
+}
+
 bool same(const SkyLight& a, const SkyLight& b)
 {
     return a.skyEnabled == b.skyEnabled && a.skyRadiance == b.skyRadiance &&
            a.sunEnabled == b.sunEnabled && a.sunAzimuth == b.sunAzimuth &&
            a.sunElevation == b.sunElevation && a.sunIrradiance == b.sunIrradiance &&
-           a.sunAngularRadius == b.sunAngularRadius;
+           a.sunAngularRadius == b.sunAngularRadius && a.skyHarmonics == b.skyHarmonics &&
+           std::equal(a.keyLights.begin(), a.keyLights.end(), b.keyLights.begin(),
+                      b.keyLights.end(),
+                      [](const KeyLight& x, const KeyLight& y) { return same(x, y); });
 }
 
 void warn(const std::string& sentence)

@@ -10,6 +10,7 @@
 #include <osg/GLExtensions>
 
 #include <algorithm>
+#include <atomic>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -28,6 +29,13 @@ bool isBlack(const Rgb& albedo)
     return std::all_of(albedo.begin(), albedo.end(), [](float a) { return a <= 0.0f; });
 }
 
+/// 0, 1, 2, …: tiles made one after another take turns.
+unsigned nextTurn()
+{
+    static std::atomic<unsigned> next{0};
+    return next++;
+}
+
 osg::Vec3f vec3(const Rgb& c)
 {
     return {c[0], c[1], c[2]};
@@ -36,12 +44,11 @@ osg::Vec3f vec3(const Rgb& c)
 
 TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings,
                            const SkyLight& sky, SkyViewDefinition definition)
-    : _tile(tile), _settings(settings), _sky(sky), _definition(definition),
+    : _tile(tile), _settings(settings), _sky(sky), _definition(definition), _turn(nextTurn()),
       _skyPass(new GpuPass("sky_view")), _shadePass(new GpuPass("shade"))
 {
     _shading = createTarget(_tile.width(), _tile.height(), GL_RGBA16F_ARB);
     _nothing = createFloatTexture(Raster<float>(1, 1));
-    _nothingLayered = createLayeredTarget(1, 1, 1, GL_R16);
     _eastSpacings = createSpacingTexture(_tile);
     createHeights();
     for (const auto& pass : {_skyPass, _shadePass})
@@ -54,7 +61,9 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
 
     _heightsValue = _chain.addSource();
     _settingsValue = _chain.addSource();
+    _harmonicsValue = _chain.addSource();
     _sunPlaceValue = _chain.addSource();
+    _keyPlaceValue = _chain.addSource();
     _lightValue = _chain.addSource();
     _bounceValue = _chain.addSource();
     const auto heights = _chain.addStage({"heights",
@@ -77,8 +86,14 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                              : 0;
          },
          [this] { _horizon = nullptr; }});
+    const auto table = _chain.addStage({"table",
+                                        {_settingsValue, _harmonicsValue},
+                                        [this] { return tableNeeded(); },
+                                        [this](osg::State& state) { return runTable(state); },
+                                        [this] { return _table ? _table->bytes() : 0; },
+                                        [this] { _table = nullptr; }});
     const auto skyView = _chain.addStage({"sky",
-                                          {horizon},
+                                          {horizon, table},
                                           [this] { return skyNeeded() && bySlices(); },
                                           [this](osg::State& state) { return runSky(state); },
                                           [this] { return _skyView ? textureBytes(*_skyView) : 0; },
@@ -97,38 +112,73 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                          : 0;
          },
          [this] { _sun = nullptr; }});
+    const auto key = _chain.addStage(
+        {"key",
+         {_settingsValue, _keyPlaceValue, heights},
+         [this] { return keyNeeded() && bySlices(); },
+         [this](osg::State& state) { return runKey(state); },
+         [this]
+         {
+             return _key ? textureBytes(*_key->horizon()) +
+                               HorizonPass::workingBytes(width(), height(),
+                                                         HorizonScheme::of(_settings.quality),
+                                                         _key->horizon()->getTextureDepth())
+                         : 0;
+         },
+         [this] { _key = nullptr; }});
     const auto pyramid = _chain.addStage({"pyramid",
                                           {_settingsValue, _bounceValue, heights},
                                           [this] { return bounceNeeded() || legendreNeeded(); },
                                           [this](osg::State& state) { return runPyramid(state); },
                                           [this] { return _pyramid ? _pyramid->bytes() : 0; },
                                           [this] { _pyramid = nullptr; }});
-    const auto shade = _chain.addStage(
+    _shadeOutput = _chain.addStage(
         {"shade",
          // Bounces are added to what this writes, so it runs before each.
-         {skyView, sun, pyramid, _settingsValue, _lightValue, _bounceValue, heights},
+         {skyView, sun, key, pyramid, _settingsValue, _lightValue, _bounceValue, heights},
          [] { return true; },
          [this](osg::State& state) { return runShade(state); },
          [this] { return textureBytes(*_shading) + (_direct ? _direct->bytes() : 0); },
          [] {}});
-    _chain.addStage({"bounce",
-                     {horizon, pyramid, shade},
-                     [this] { return bounceNeeded(); },
-                     [this](osg::State& state) { return runBounce(state); },
-                     [this] {
-                         return (_bounce ? _bounce->bytes() : 0) +
-                                (_albedoTexture ? textureBytes(*_albedoTexture) : 0);
-                     },
-                     [this]
-                     {
-                         _bounce = nullptr;
-                         _albedoTexture = nullptr;
+    const auto bounce =
+        _chain.addStage({"bounce",
+                         {horizon, pyramid, _shadeOutput},
+                         [this] { return bounceNeeded(); },
+                         [this](osg::State& state) { return runBounce(state); },
+                         [this] {
+                             return (_bounce ? _bounce->bytes() : 0) +
+                                    (_albedoTexture ? textureBytes(*_albedoTexture) : 0);
+                         },
+                         [this]
+                         {
+                             _bounce = nullptr;
+                             _albedoTexture = nullptr;
+                         },
+                         [this](unsigned contextID) { return bounceTurn(contextID); }});
+    _chain.addStage({"indirect",
+                     {_shadeOutput, bounce},
+                     [this] { return sumNeeded(); },
+                     [this](osg::State& state) { return _sum->addTo(state, _shading); },
+                     [this] { return _sum ? textureBytes(*_sum->texture()) : 0; },
+                     [this] { _sum = nullptr; },
+                     // Bounces that have just been computed are in the shading.
+                     [this](unsigned contextID) {
+                         return _paces[contextID].waits ? PassChain::Turn::Run
+                                                        : PassChain::Turn::Skip;
                      }});
 }
 
 bool TileLighting::needsSun(const SkyLight& sky)
 {
     return sky.sunEnabled && sky.sunElevation + sky.sunAngularRadius > 0.0;
+}
+
+int TileLighting::keyAzimuths(const SkyLight& sky, const LightingSettings& settings)
+{
+    int count = 0;
+    for (const KeySlices& key : keySlices(sky, settings.azimuths))
+        count += key.count;
+    return count;
 }
 
 void TileLighting::setSettings(const LightingSettings& settings)
@@ -143,6 +193,8 @@ void TileLighting::setSettings(const LightingSettings& settings)
         _bounce = nullptr;
         _chain.touch(_bounceValue);
     }
+    if (settings.bounceInterval != _settings.bounceInterval)
+        _chain.touch(_bounceValue);
     if (settings.bounces != _settings.bounces || settings.albedo != _settings.albedo)
     {
         _albedoTexture = nullptr;
@@ -158,6 +210,8 @@ void TileLighting::setSettings(const LightingSettings& settings)
     _sun = nullptr;
     _pyramid = nullptr;
     _direct = nullptr;
+    _key = nullptr;
+    _table = nullptr;
     _bounce = nullptr;
     _chain.touch(_settingsValue);
     if (frame() != before)
@@ -169,10 +223,7 @@ void TileLighting::setSettings(const LightingSettings& settings)
 
 bool TileLighting::legendreNeeded() const
 {
-    const auto& keys = _sky.keyLights;
-    return !bySlices() && (skyNeeded() || sunNeeded() ||
-                           std::any_of(keys.begin(), keys.end(),
-                                       [](const KeyLight& k) { return k.highest > 0.0; }));
+    return !bySlices() && (skyNeeded() || sunNeeded() || keyNeeded());
 }
 
 int TileLighting::frame() const
@@ -202,9 +253,8 @@ void TileLighting::createHeights()
 bool TileLighting::bounceNeeded() const
 {
     // Less than two posts a side have no cell between them to send light.
-    return _settings.bounces > 0 && (skyNeeded() || sunNeeded() || legendreNeeded()) &&
-           width() > 1 && height() > 1 &&
-           !(_albedo.empty() ? isBlack(_settings.albedo) : _albedoIsBlack);
+    return _settings.bounces > 0 && (skyNeeded() || sunNeeded() || keyNeeded()) && width() > 1 &&
+           height() > 1 && !(_albedo.empty() ? isBlack(_settings.albedo) : _albedoIsBlack);
 }
 
 void TileLighting::setAlbedo(Raster<Rgb> albedo)
@@ -223,6 +273,21 @@ void TileLighting::setSky(const SkyLight& sky)
     if (sky.sunAzimuth != _sky.sunAzimuth || sky.sunElevation != _sky.sunElevation ||
         sky.sunAngularRadius != _sky.sunAngularRadius)
         _chain.touch(_sunPlaceValue);
+    if (sky.skyHarmonics != _sky.skyHarmonics)
+        _chain.touch(_harmonicsValue);
+    // What has horizons of its own is the slices' places; their light is read when it is needed.
+    const auto places = [this](const SkyLight& light)
+    {
+        std::vector<std::array<double, 3>> found;
+        for (const KeySlices& key : keySlices(light, _settings.azimuths))
+            found.push_back({key.first, key.width, double(key.count)});
+        return found;
+    };
+    if (places(sky) != places(_sky))
+    {
+        _key = nullptr;
+        _chain.touch(_keyPlaceValue);
+    }
     _sky = sky;
     _chain.touch(_lightValue);
 }
@@ -264,6 +329,7 @@ void TileLighting::setPosts(osg::Texture2D* posts)
         _sun = nullptr;
         _pyramid = nullptr;
         _direct = nullptr;
+        _key = nullptr;
         _bounce = nullptr;
     }
     _framePass->reads("posts", _posts);
@@ -285,7 +351,25 @@ void TileLighting::recompute()
 Status TileLighting::update(osg::State& state)
 {
     Lock lock(_mutex);
+    const unsigned id = state.getContextID();
+    Pace& pace = _paces[id];
+    if (pace.waits && sumNeeded() && !_chain.isDirty(id, _shadeOutput))
+    {
+        // Light stands still. The shading holds earlier bounces: it begins anew, too.
+        pace.due = true;
+        _chain.forget(id, _shadeOutput);
+    }
     return _chain.run(state);
+}
+
+PassChain::Turn TileLighting::bounceTurn(unsigned contextID)
+{
+    Pace& pace = _paces[contextID];
+    ++pace.updates;
+    const unsigned interval = static_cast<unsigned>(_settings.bounceInterval);
+    pace.waits = !pace.due && (pace.updates + _turn) % interval != 0;
+    pace.due = false;
+    return pace.waits ? PassChain::Turn::Wait : PassChain::Turn::Run;
 }
 
 bool TileLighting::isDirty(unsigned contextID) const
@@ -317,13 +401,30 @@ Status TileLighting::runHorizon(osg::State& state)
     return _horizon->dispatch(state);
 }
 
+Status TileLighting::runTable(osg::State& state)
+{
+    if (!_table)
+        _table = new SkyTablePass(_settings.azimuths);
+    return _table->dispatch(state, _sky.skyHarmonics);
+}
+
+AreaLights TileLighting::areaLights() const
+{
+    return {_table ? _table->table() : nullptr, _key ? _key->horizon() : nullptr,
+            keySlices(_sky, _settings.azimuths), _sun ? _sun->horizon() : nullptr, _sky};
+}
+
 Status TileLighting::runSky(osg::State& state)
 {
-    if (!_skyView)
+    const GLint format = tableNeeded() ? GL_RGBA16F_ARB : GL_R32F;
+    if (!_skyView || _skyView->getInternalFormat() != format)
     {
-        _skyView = createTarget(width(), height(), GL_R32F);
+        _skyView = createTarget(width(), height(), format);
         _skyPass->writes(0, _skyView);
     }
+    AreaLights sky;
+    sky.skyTable = areaLights().skyTable;
+    sky.apply(*_skyPass);
     _skyPass->reads("horizon", _horizon->horizon());
     _skyPass->set("azimuths", _settings.azimuths);
     _skyPass->set("definition", static_cast<int>(_definition));
@@ -348,6 +449,16 @@ Status TileLighting::runSun(osg::State& state)
     return _sun->dispatch(state);
 }
 
+Status TileLighting::runKey(osg::State& state)
+{
+    const std::vector<MapDirection> directions = directionsOf(keySlices(_sky, _settings.azimuths));
+    if (!_key)
+        _key = new HorizonPass(_tile, _heights, HorizonScheme::of(_settings.quality),
+                               static_cast<int>(directions.size()));
+    _key->setDirections(directions);
+    return _key->dispatch(state);
+}
+
 Status TileLighting::runShade(osg::State& state)
 {
     if (legendreNeeded())
@@ -358,19 +469,11 @@ Status TileLighting::runShade(osg::State& state)
         return _direct->dispatch(state, _sky, _shading);
     }
     _direct = nullptr;
-    const std::array<double, 3> direction = _sky.sunDirection();
     GpuPass& pass = *_shadePass;
+    areaLights().apply(pass);
     pass.reads("skyView", skyNeeded() ? _skyView.get() : _nothing.get());
-    pass.reads("sunHorizon", sunNeeded() ? _sun->horizon() : _nothingLayered.get());
     pass.set("hasSky", skyNeeded());
-    pass.set("hasSun", sunNeeded());
-    pass.set("skyRadiance", vec3(_sky.skyRadiance));
-    pass.set("sunIrradiance", vec3(_sky.sunIrradiance));
-    pass.set("sunDirection",
-             osg::Vec3f(static_cast<float>(direction[0]), static_cast<float>(direction[1]),
-                        static_cast<float>(direction[2])));
-    pass.set("sunElevation", static_cast<float>(_sky.sunElevation * radiansPerDegree));
-    pass.set("sunRadius", static_cast<float>(_sky.sunAngularRadius * radiansPerDegree));
+    pass.set("skyRadiance", vec3(skyGain(_sky)));
     pass.set("sunOff", _sky.sunEnabled ? 0.0f : 1.0f);
     return pass.dispatch(state,
                          {GpuPass::groupsFor(width(), 8), GpuPass::groupsFor(height(), 8), 1});
@@ -378,6 +481,8 @@ Status TileLighting::runShade(osg::State& state)
 
 Status TileLighting::runPyramid(osg::State& state)
 {
+    // It runs where anything but light has changed that bounces depend on.
+    _paces[state.getContextID()].due = true;
     if (!bySlices())
     {
         if (!_pyramid)
@@ -399,6 +504,10 @@ Status TileLighting::runBounce(osg::State& state)
     if (!_albedoTexture)
         _albedoTexture =
             createColourTexture(_albedo.size() ? _albedo : Raster<Rgb>(1, 1, _settings.albedo));
+    _bounce->setAreaLights(areaLights());
+    if (sumNeeded() && !_sum)
+        _sum = new LightSum(width(), height());
+    _bounce->keepSum(sumNeeded() ? _sum.get() : nullptr);
     Status done =
         _bounce->dispatch(state, _settings.bounces, _sky, _horizon ? _horizon->horizon() : nullptr,
                           _albedoTexture, _shading);
@@ -451,7 +560,7 @@ HorizonMap TileLighting::readHorizons(osg::State& state) const
 unsigned TileLighting::readDroppedVertices(osg::State& state) const
 {
     unsigned count = 0;
-    for (const auto& pass : {_horizon, _sun})
+    for (const auto& pass : {_horizon, _sun, _key})
         if (pass)
             count += readUints(state, *pass->dropped()).front();
     return count;
@@ -463,6 +572,8 @@ std::vector<StageCost> TileLighting::costs() const
     std::vector<StageCost> costs = _chain.costs();
     if (!_posts)
         costs.erase(costs.begin()); // heights that nothing changes have no stage
+    if (!sumNeeded() && costs.back().dispatches == 0)
+        costs.pop_back(); // nor have bounces that are never kept
     return costs;
 }
 
@@ -479,9 +590,11 @@ void TileLighting::releaseGLObjects(osg::State* state) const
 {
     Lock lock(_mutex);
     _chain.forget(state ? state->getContextID() : ~0u);
-    for (const auto& pass : {_horizon, _sun})
+    for (const auto& pass : {_horizon, _sun, _key})
         if (pass)
             pass->releaseGLObjects(state);
+    if (_table)
+        _table->releaseGLObjects(state);
     for (const auto& pass : {_skyPass, _shadePass, _framePass})
         if (pass)
             pass->releaseGLObjects(state);
@@ -493,19 +606,22 @@ void TileLighting::releaseGLObjects(osg::State* state) const
         _direct->releaseGLObjects(state);
     if (_bounce)
         _bounce->releaseGLObjects(state);
+    if (_sum)
+        _sum->releaseGLObjects(state);
     for (const auto& texture :
          {_heights, _eastSpacings, _skyView, _shading, _albedoTexture, _nothing})
         if (texture)
             texture->releaseGLObjects(state);
-    _nothingLayered->releaseGLObjects(state);
 }
 
 void TileLighting::resizeGLObjectBuffers(unsigned size)
 {
     Lock lock(_mutex);
-    for (const auto& pass : {_horizon, _sun})
+    for (const auto& pass : {_horizon, _sun, _key})
         if (pass)
             pass->resizeGLObjectBuffers(size);
+    if (_table)
+        _table->resizeGLObjectBuffers(size);
     for (const auto& pass : {_skyPass, _shadePass, _framePass})
         if (pass)
             pass->resizeGLObjectBuffers(size);
@@ -517,11 +633,12 @@ void TileLighting::resizeGLObjectBuffers(unsigned size)
         _direct->resizeGLObjectBuffers(size);
     if (_bounce)
         _bounce->resizeGLObjectBuffers(size);
+    if (_sum)
+        _sum->resizeGLObjectBuffers(size);
     for (const auto& texture :
          {_heights, _eastSpacings, _skyView, _shading, _albedoTexture, _nothing})
         if (texture)
             texture->resizeGLObjectBuffers(size);
-    _nothingLayered->resizeGLObjectBuffers(size);
 }
 
 } // namespace osgTerrainLight

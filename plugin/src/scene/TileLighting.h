@@ -11,16 +11,19 @@
 #include "gpu/GpuPass.h"
 #include "gpu/HeightTexture.h"
 #include "gpu/PassChain.h"
+#include "gpu/passes/AreaLights.h"
 #include "gpu/passes/Bounces.h"
 #include "gpu/passes/HeightPyramid.h"
 #include "gpu/passes/HorizonPass.h"
 #include "gpu/passes/LegendreDirectPass.h"
+#include "gpu/passes/SkyTablePass.h"
 
 #include <osg/Referenced>
 #include <osg/Texture2D>
 
 #include <OpenThreads/Mutex>
 
+#include <map>
 #include <vector>
 
 namespace osgTerrainLight
@@ -37,11 +40,13 @@ enum class SkyViewDefinition
 /// One tile's pass chain and textures: heights and light in, shading texture out.
 ///
 /// Setters may be called from any thread; update() and the read functions need the current context
-/// of their state. Stages: heights (they have been set), horizon (a sky or a bounce is on), sky (a
-/// sky is on), sun (a sun is on and not wholly below the horizontal), pyramid (of heights: bounces
-/// are on), shade, bounce (bounces are on, and there is what they would bounce). With a
-/// BounceMethod other than Slices, horizon, sky and sun do not exist: where there is any light,
-/// shade takes it from the pyramid.
+/// of their state. Stages: heights (they have been set), horizon (a sky or a bounce is on), table
+/// (a sky in harmonics is on), sky (a sky is on), sun (a sun is on and not wholly below the
+/// horizontal), key (a key light is above the horizontal and not black), pyramid (of heights:
+/// bounces are on), shade, bounce (bounces are on, and there is what they would bounce), indirect
+/// (bounces are not computed in every update: adds those that were). With a BounceMethod other than
+/// Slices, horizon, table, sky, sun and key do not exist: where there is any light, shade takes it
+/// from the pyramid.
 class OSGTERRAINLIGHT_EXPORT TileLighting : public osg::Referenced
 {
 public:
@@ -53,6 +58,9 @@ public:
 
     /// Whether a light has a sun stage: a sun that is on and not wholly below the horizontal.
     static bool needsSun(const SkyLight& sky);
+
+    /// Horizons that the key lights' stage computes per post.
+    static int keyAzimuths(const SkyLight& sky, const LightingSettings& settings);
 
     int width() const { return _tile.width(); }
     int height() const { return _tile.height(); }
@@ -78,7 +86,8 @@ public:
     /// Every stage runs again, in every context: its shader may be another.
     void recompute();
 
-    /// Runs the stages whose inputs have changed in this context.
+    /// Runs the stages whose inputs have changed in this context. With a bounceInterval above 1 the
+    /// tile may be dirty afterwards: the next update, if nothing changes before, mends that.
     Status update(osg::State& state);
     bool isDirty(unsigned contextID) const;
 
@@ -89,13 +98,13 @@ public:
     /// Read-back, all in tile order (row 0 south). Call after update().
     Raster<osg::Vec4f> readShading(osg::State& state) const;
     Raster<float>
-    readSkyView(osg::State& state) const; ///< NaN where void; precondition: as readHorizons
+    readSkyView(osg::State& state) const; ///< NaN where void; as readHorizons, the sky uniform
     /// Precondition: a sky is on, and the method is Slices.
     HorizonMap readHorizons(osg::State& state) const;
     /// Of the last bounce alone: rgb = irradiance / π, a = 1; 0 where void. Precondition: bounces
     /// are on.
     Raster<osg::Vec4f> readLastBounce(osg::State& state) const;
-    unsigned readDroppedVertices(osg::State& state) const; ///< of both sweeps
+    unsigned readDroppedVertices(osg::State& state) const; ///< of all sweeps
 
     void setTimed(bool timed) { _chain.setTimed(timed); }
     std::vector<StageCost> costs() const;
@@ -109,7 +118,10 @@ private:
     ~TileLighting() override = default;
 
     bool skyNeeded() const { return _sky.skyEnabled; }
+    bool tableNeeded() const { return bySlices() && skyNeeded() && !_sky.skyHarmonics.empty(); }
     bool sunNeeded() const { return needsSun(_sky); }
+    bool keyNeeded() const { return keyAzimuths(_sky, _settings) > 0; }
+    AreaLights areaLights() const;
     bool bounceNeeded() const;
     bool bySlices() const { return _settings.bounceMethod == BounceMethod::Slices; }
     bool horizonNeeded() const { return bySlices() && (skyNeeded() || bounceNeeded()); }
@@ -121,11 +133,15 @@ private:
     void setPosts(osg::Texture2D* posts);
     Status runHeights(osg::State& state);
     Status runHorizon(osg::State& state);
+    Status runTable(osg::State& state);
     Status runSky(osg::State& state);
     Status runSun(osg::State& state);
+    Status runKey(osg::State& state);
     Status runShade(osg::State& state);
     Status runPyramid(osg::State& state);
     Status runBounce(osg::State& state);
+    bool sumNeeded() const { return bounceNeeded() && _settings.bounceInterval > 1; }
+    PassChain::Turn bounceTurn(unsigned contextID);
 
     mutable OpenThreads::Mutex _mutex;
     DemTile _tile;
@@ -134,7 +150,19 @@ private:
     SkyViewDefinition _definition;
 
     mutable PassChain _chain;
-    PassChain::Value _heightsValue, _settingsValue, _sunPlaceValue, _lightValue, _bounceValue;
+    PassChain::Value _heightsValue, _settingsValue, _harmonicsValue, _sunPlaceValue, _keyPlaceValue,
+        _lightValue, _bounceValue;
+    PassChain::Value _shadeOutput;
+
+    /// When bounces are computed in a context, where that is not in every update.
+    struct Pace
+    {
+        unsigned updates = 0; ///< that changed light
+        bool due = false;     ///< more than light has changed, or light stands still
+        bool waits = false;   ///< the bounces are those of an earlier light
+    };
+    std::map<unsigned, Pace> _paces;
+    const unsigned _turn; ///< so that tiles do not all compute theirs in the same update
 
     osg::ref_ptr<osg::Texture2D> _heights;
     osg::ref_ptr<osg::Texture2D> _posts; ///< where heights come from; null: from _tile, for good
@@ -143,18 +171,20 @@ private:
     osg::ref_ptr<osg::Texture2D> _eastSpacings;
     osg::ref_ptr<HorizonPass> _horizon;
     osg::ref_ptr<HorizonPass> _sun;
-    osg::ref_ptr<osg::Texture2D> _skyView;
+    osg::ref_ptr<HorizonPass> _key;
+    osg::ref_ptr<SkyTablePass> _table;
+    osg::ref_ptr<osg::Texture2D> _skyView; ///< or its light, where it has a table
     osg::ref_ptr<osg::Texture2D> _shading;
     osg::ref_ptr<GpuPass> _skyPass;
     osg::ref_ptr<GpuPass> _shadePass;
     osg::ref_ptr<HeightPyramid> _pyramid;     ///< where the method is not Slices
     osg::ref_ptr<LegendreDirectPass> _direct; ///< ditto
     osg::ref_ptr<Bounces> _bounce;
-    Raster<Rgb> _albedo; ///< empty: the settings'
+    osg::ref_ptr<LightSum> _sum; ///< of the bounces, where they are not computed in every update
+    Raster<Rgb> _albedo;         ///< empty: the settings'
     bool _albedoIsBlack = false;
     osg::ref_ptr<osg::Texture2D> _albedoTexture;
     osg::ref_ptr<osg::Texture2D> _nothing; ///< one texel, stands for the texture of an absent stage
-    osg::ref_ptr<osg::Texture2DArray> _nothingLayered;
 };
 
 } // namespace osgTerrainLight

@@ -179,6 +179,7 @@ void TileSet::compute(osg::State& state)
     const double limit = budget;
     const Clock::time_point start = Clock::now();
     bool worked = false;
+    bool behind = false;
     std::size_t i = 0;
     for (; i < tiles.size(); ++i)
     {
@@ -192,7 +193,10 @@ void TileSet::compute(osg::State& state)
         worked = true;
         const Status updated = tile.lighting().update(state);
         if (updated)
+        {
             tile.setStage(id, LitTile::Stage::Lit);
+            behind = behind || tile.lighting().isDirty(id); // bounces that wait for their turn
+        }
         else
         {
             tile.fail(id, updated.error().message);
@@ -205,9 +209,9 @@ void TileSet::compute(osg::State& state)
 
     Lock lock(_mutex);
     Context& context = _contexts[id];
-    if (i == tiles.size())
+    if (i == tiles.size() && !behind)
         context.done = revision;
-    else
+    else if (i < tiles.size())
         context.next = (first + i) % tiles.size();
 }
 

@@ -3,6 +3,7 @@
 #include "core/AzimuthSet.h"
 #include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
+#include "gpu/passes/AreaLights.h"
 #include "gpu/passes/GridDirection.h"
 #include "gpu/passes/HorizonPass.h"
 
@@ -111,7 +112,8 @@ BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Textur
       _directRadiance(new GpuPass("radiance", {"DIRECT"})),
       _bouncedRadiance(new GpuPass("radiance")),
       _firstHeights(new GpuPass("pyramid", {"HEIGHTS", "FROM_POSTS"})),
-      _nextHeights(new GpuPass("pyramid", {"HEIGHTS"})), _reduceRadiance(new GpuPass("pyramid"))
+      _nextHeights(new GpuPass("pyramid", {"HEIGHTS"})),
+      _firstRadiance(new GpuPass("pyramid", {"FROM_CELLS"})), _nextRadiance(new GpuPass("pyramid"))
 {
     using Defines = std::vector<std::string>;
     _firstBounce =
@@ -243,24 +245,24 @@ Status BouncePass::dispatchHeights(osg::State& state)
                          _heightPyramid);
 }
 
+void BouncePass::setAreaLights(const AreaLights& lights)
+{
+    lights.apply(*_directRadiance, {"DIRECT"});
+    lights.apply(*_firstBounce, _stride == 1 ? std::vector<std::string>{"DIRECT"}
+                                             : std::vector<std::string>{"DIRECT", "COARSE"});
+}
+
 Status BouncePass::dispatch(osg::State& state, int bounces, const SkyLight& sky,
                             osg::Texture2DArray* horizon, osg::Texture2D* albedo,
                             osg::Texture2D* shading)
 {
     const GpuPass::Groups groups = {GpuPass::groupsFor(_width, 8), GpuPass::groupsFor(_height, 8),
                                     1};
-    const auto vec3 = [](const auto& v)
-    {
-        return osg::Vec3f(static_cast<float>(v[0]), static_cast<float>(v[1]),
-                          static_cast<float>(v[2]));
-    };
-    _directRadiance->reads("light", shading);
     for (const auto& pass : {_directRadiance, _firstBounce})
     {
         pass->set("hasSky", sky.skyEnabled);
-        pass->set("skyRadiance", vec3(sky.skyEnabled ? sky.skyRadiance : Rgb{}));
-        pass->set("sunIrradiance", vec3(sky.sunEnabled ? sky.sunIrradiance : Rgb{}));
-        pass->set("sunDirection", vec3(sky.sunDirection()));
+        const Rgb gain = skyGain(sky);
+        pass->set("skyRadiance", osg::Vec3f(gain[0], gain[1], gain[2]));
     }
     for (const auto& pass : {_directRadiance, _firstBounce, _nextBounce})
         pass->reads("horizon", horizon);
@@ -280,12 +282,14 @@ Status BouncePass::dispatch(osg::State& state, int bounces, const SkyLight& sky,
     {
         done = (bounce == 0 ? _directRadiance : _bouncedRadiance)->dispatch(state, groups);
         if (done)
-            done = reducePyramid(state, _cells, *_reduceRadiance, _radiance, 0, *_reduceRadiance,
+            done = reducePyramid(state, _cells, *_firstRadiance, _radiance, 0, *_nextRadiance,
                                  _radiancePyramid);
         if (done)
             done = (bounce == 0 ? _firstBounce : _nextBounce)->dispatch(state, coarse);
         if (done && _upsample)
             done = _upsample->dispatch(state, groups);
+        if (done)
+            done = keep(state, _light, bounce);
     }
     return done;
 }
@@ -308,7 +312,7 @@ std::vector<osg::Texture2D*> BouncePass::textures() const
 std::vector<GpuPass*> BouncePass::passes() const
 {
     std::vector<GpuPass*> all = {_directRadiance, _bouncedRadiance, _firstBounce,   _nextBounce,
-                                 _firstHeights,   _nextHeights,     _reduceRadiance};
+                                 _firstHeights,   _nextHeights,     _firstRadiance, _nextRadiance};
     if (_upsample)
         all.push_back(_upsample);
     return all;

@@ -79,6 +79,7 @@ public:
                     osg::Texture2DArray* horizon, osg::Texture2D* albedo,
                     osg::Texture2D* shading) override;
     Result<std::vector<float>> readLight(osg::State& state) override;
+    void setAreaLights(const AreaLights& lights) override;
 
     /// RG32F: height [m] times weight, weight; above the posts, as layout() has its levels.
     osg::Texture2D* heightPyramid() const { return _heightPyramid; }
@@ -101,7 +102,7 @@ private:
     osg::ref_ptr<GpuPass> _firstBounce, _nextBounce;
     std::array<osg::ref_ptr<osg::Texture2D>, 3> _vectors; ///< of colours, where the stride is not 1
     osg::ref_ptr<GpuPass> _upsample;                      ///< ditto
-    osg::ref_ptr<GpuPass> _firstHeights, _nextHeights, _reduceRadiance;
+    osg::ref_ptr<GpuPass> _firstHeights, _nextHeights, _firstRadiance, _nextRadiance;
 };
 
 } // namespace osgTerrainLight

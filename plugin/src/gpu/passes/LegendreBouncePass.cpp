@@ -65,21 +65,31 @@ Status LegendreBouncePass::dispatch(osg::State& state, int bounces, const SkyLig
             done = reducePyramid(state, _blocks, *_reduceRadiance, _radiance, 0, *_reduceRadiance,
                                  _radiancePyramid);
         GpuPass& pass = bounce + 1 < bounces ? *_other : *_last;
-        pass.writes(0, shading, GpuPass::Access::ReadWrite);
-        pass.set("darkest", 0.0f);
+        aim(pass, shading, false, false);
         if (done)
             done = pass.dispatch(state, _groups);
+        if (done && sum())
+        {
+            // Its light is stored nowhere: what is kept of it is gathered once more.
+            aim(pass, sum()->texture(), true, bounce == 0);
+            done = pass.dispatch(state, _groups);
+        }
     }
     return done;
+}
+
+void LegendreBouncePass::aim(GpuPass& pass, osg::Texture2D* target, bool signedLight, bool fresh)
+{
+    pass.writes(0, target, GpuPass::Access::ReadWrite);
+    pass.set("darkest", signedLight ? std::numeric_limits<float>::lowest() : 0.0f);
+    pass.set("fresh", fresh);
 }
 
 Result<std::vector<float>> LegendreBouncePass::readLight(osg::State& state)
 {
     // What it was gathered from is still there.
-    const osg::ref_ptr<osg::Texture2D> light =
-        createColourTexture(Raster<Rgb>(_width, _height, Rgb{}));
-    _last->writes(0, light, GpuPass::Access::ReadWrite);
-    _last->set("darkest", std::numeric_limits<float>::lowest());
+    const osg::ref_ptr<osg::Texture2D> light = createTarget(_width, _height, GL_RGBA16F_ARB);
+    aim(*_last, light, true, true);
     if (Status done = _last->dispatch(state, _groups); !done)
         return done.error();
     return readFloats(state, *light, 4);

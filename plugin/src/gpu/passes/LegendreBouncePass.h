@@ -36,6 +36,10 @@ private:
     std::vector<osg::Texture2D*> textures() const override;
     std::vector<GpuPass*> passes() const override;
 
+    /// Where a bounce is added: a shading, which stays a radiance, or signed light; fresh: its
+    /// first.
+    static void aim(GpuPass& pass, osg::Texture2D* target, bool signedLight, bool fresh);
+
     int _width, _height, _blocksAcross, _blocksUp;
     PyramidLayout _blocks;
     GpuPass::Groups _groups;
