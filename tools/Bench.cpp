@@ -254,8 +254,11 @@ Result<Found> readBack(const Gpu& gpu, const Truth& truth, const LightingSetting
     lighting.setSettings(fewer);
     if (Status done = lighting.update(gpu.state()); !done)
         return done.error();
-    found.horizons = lighting.readHorizons(gpu.state());
-    found.sky = lighting.readSkyView(gpu.state());
+    if (fewer.bounceMethod == BounceMethod::Slices)
+    {
+        found.horizons = lighting.readHorizons(gpu.state());
+        found.sky = lighting.readSkyView(gpu.state());
+    }
     found.shading = lighting.readShading(gpu.state());
     return found;
 }

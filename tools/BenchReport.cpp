@@ -163,6 +163,8 @@ std::string errorTable(const Report& report, std::size_t q)
         if (!row.skipped.empty())
             continue;
         const ErrorStatistics& e = row.errors[q];
+        if (std::isnan(e.rms)) // the method has no such thing
+            continue;
         table += row.onFront[q] ? "* " : "  ";
         table += labelOf(report, row);
         table += CPLSPrintf(" %9.2f", row.gpuMilliseconds);
@@ -185,6 +187,7 @@ std::vector<bool> paretoFront(const std::vector<CostAndError>& points)
     std::vector<bool> front;
     for (const CostAndError& point : points)
         front.push_back(
+            !std::isnan(point.error) && // a method that has no such thing
             std::none_of(points.begin(), points.end(),
                          [&](const CostAndError& other)
                          {

@@ -67,7 +67,7 @@ double luminance(const reference::LinearRgb& c)
 std::vector<Compared> compareHorizons(const Truth& truth, const Found& found)
 {
     std::vector<Compared> values;
-    const int azimuths = found.horizons.azimuthCount();
+    const int azimuths = found.horizons.azimuthCount(); // 0 where the method has no horizons
     for (std::size_t i = 0; i < truth.skyPosts; ++i)
         for (int k = 0; k < azimuths; ++k)
             values.push_back(
@@ -80,7 +80,7 @@ std::vector<Compared> compareHorizons(const Truth& truth, const Found& found)
 std::vector<Compared> compareSky(const Truth& truth, const Found& found)
 {
     std::vector<Compared> values;
-    for (std::size_t i = 0; i < truth.skyPosts; ++i)
+    for (std::size_t i = 0; found.sky.size() > 0 && i < truth.skyPosts; ++i)
         values.push_back(
             {static_cast<double>(found.sky.at(truth.posts[i].column, truth.posts[i].row)),
              truth.sky[i]});
@@ -100,14 +100,17 @@ std::vector<Compared> compareSun(const Truth& truth, const Found& found)
 std::vector<Compared> compareLight(const Truth& truth, const Found& found)
 {
     // A few posts would make the sun's rare and big errors chance; so all are compared, and those
-    // without a sky of their own borrow the sky's error of one that has.
+    // without a sky of their own borrow the sky's error of one that has. A method that has no
+    // sky-view factors is compared where the truth has one.
     std::vector<Compared> values;
     const auto skyView = [&](std::size_t i)
     { return static_cast<double>(found.sky.at(truth.posts[i].column, truth.posts[i].row)); };
-    for (std::size_t i = 0; i < truth.posts.size(); ++i)
+    const bool lends = found.sky.size() > 0;
+    for (std::size_t i = 0; i < (lends ? truth.posts.size() : truth.skyPosts); ++i)
     {
         const std::size_t lender = i % truth.skyPosts;
-        const double sky = skyView(i) - (skyView(lender) - truth.sky[lender]);
+        const double sky =
+            lends ? skyView(i) - (skyView(lender) - truth.sky[lender]) : truth.sky[i];
         const osg::Vec4f& c = found.shading.at(truth.posts[i].column, truth.posts[i].row);
         values.push_back({osgTerrainLight::luminance(Rgb{c.r(), c.g(), c.b()}),
                           truth.skyLuminance * sky + truth.sunlight[i] * truth.sun[i]});
@@ -283,8 +286,9 @@ ErrorStatistics statisticsOf(const std::vector<Compared>& values)
     if (variance > 0.0)
         result.relativeNoise = std::sqrt(variance / expectedSquares);
     std::sort(sizes.begin(), sizes.end());
-    result.p99 = sizes[sizes.size() * 99 / 100];
-    result.max = sizes.back();
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    result.p99 = sizes.empty() ? none : sizes[sizes.size() * 99 / 100];
+    result.max = sizes.empty() ? none : sizes.back();
     return result;
 }
 

@@ -110,6 +110,7 @@ struct Compared
     double found, expected;
     double variance = 0.0; ///< of what is expected
 };
+/// All NaN where there is nothing to compare.
 ErrorStatistics statisticsOf(const std::vector<Compared>& values);
 
 /// Something that a result can be wrong in. A new one is an entry of directQuantities().

@@ -286,14 +286,15 @@ void addBounces(CLI::App& app, RasterOptions& options)
     app.add_option_function<std::string>(
            "--bounce-method",
            [&options](const std::string& name) { fromString(name, options.settings.bounceMethod); },
-           "How bounces are gathered: slices, exactly; legendre or legendre-bspline, as "
-           "Nowrouzezahrai and Snyder 2009 do, at every post; default slices")
+           "How bounces are gathered: slices, exactly; legendre or legendre-bspline: all light, "
+           "direct light too, as Nowrouzezahrai and Snyder 2009; default slices")
         ->check(CLI::IsMember({"slices", "legendre", "legendre-bspline"}))
         ->type_name("NAME")
         ->needs("--bounces");
-    addNumbers(app, "--subsampling", "N", {"subsampling"},
-               "Gather bounces at every N-th post, 1, 2 or 4; default 1",
-               [&options](const auto& v) { options.settings.subsampling = static_cast<int>(v[0]); })
+    addNumbers(
+        app, "--subsampling", "N", {"subsampling"},
+        "Gather bounces, and direct light by legendre, at every N-th post, 1, 2 or 4; default 1",
+        [&options](const auto& v) { options.settings.subsampling = static_cast<int>(v[0]); })
         ->needs("--bounces");
     app.add_option_function<std::string>(
            "--albedo",

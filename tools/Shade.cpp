@@ -114,13 +114,14 @@ Metadata metadataOf(const Options& options, const LitTile& lit)
     if (options.sky.skyEnabled && uniform)
         add(metadata, "SKY_RADIANCE", text(options.sky.skyRadiance));
     add(metadata, "BOUNCES", std::to_string(options.settings.bounces));
-    if (options.settings.bounces > 0)
+    if (options.settings.bounces > 0 || options.settings.bounceMethod != BounceMethod::Slices)
     {
         add(metadata, "BOUNCE_METHOD", toString(options.settings.bounceMethod));
         add(metadata, "SUBSAMPLING", std::to_string(options.settings.subsampling));
+    }
+    if (options.settings.bounces > 0)
         add(metadata, "ALBEDO",
             options.albedoFile.empty() ? text(options.settings.albedo) : options.albedoFile);
-    }
     add(metadata, "SUN", options.sky.sunEnabled ? "yes" : "no");
     if (options.sky.sunEnabled)
     {
@@ -134,8 +135,11 @@ Metadata metadataOf(const Options& options, const LitTile& lit)
 
 Status run(const Options& options)
 {
-    if (options.settings.subsampling > 1 && options.settings.bounceMethod != BounceMethod::Slices)
-        throw CLI::ValidationError("--subsampling", "needs --bounce-method slices");
+    if ((options.maxError || options.maxMilliseconds) &&
+        options.settings.bounceMethod != BounceMethod::Slices)
+        throw CLI::ValidationError("--bounce-method",
+                                   std::string(toString(options.settings.bounceMethod)) +
+                                       ": settings can be chosen for slices only");
     if (!options.sky.skyHarmonics.empty() && !options.sky.skyEnabled)
         throw CLI::ValidationError("--sky-harmonics", "needs a sky: leave out --sky none");
     if ((options.maxError || options.maxMilliseconds) &&

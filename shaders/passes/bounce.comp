@@ -117,15 +117,7 @@ void main()
     if (post.x >= size.x || post.y >= size.y)
         return;
 #ifdef COARSE
-    // The first valid post of the block stands for it.
-    ivec2 corner = post;
-    for (int i = stride * stride - 1; i >= 0; --i)
-    {
-        ivec2 candidate = corner + ivec2(i % stride, i / stride);
-        bool valid = candidate.x < size.x && candidate.y < size.y &&
-                     !isVoid(postHeight(heights, candidate + frame));
-        post = valid ? candidate : post;
-    }
+    post = postOfBlock(heights, id, stride, size, frame);
 #endif
     Length here = postHeight(heights, post + frame);
     if (isVoid(here))

@@ -4,12 +4,13 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D heights;       // R32F [m], framed by `frame` void posts, row 0 south
-uniform sampler2D stepLengths;   // R32F [m]: ground length of a step of azimuth x in row y
+uniform sampler2D eastSpacings;  // R32F [m], one texel per row
 uniform sampler2D heightPyramid; // RG32F: height times weight, weight
 layout(r16, binding = 0) writeonly uniform image2DArray horizon; // elevation codes
 
 uniform ivec2 size; // posts
 uniform int frame;
+uniform float northSpacing; // [m]
 layout(std140, binding = 0) uniform Rays
 {
     vec4 directions[256]; // a step: posts to the east, to the north; the unit vector on the ground
@@ -34,7 +35,8 @@ void main()
         return;
     }
     vec4 direction = directions[place3.z];
-    Length stepLength = texelFetch(stepLengths, ivec2(place3.z, post.y), 0).x;
+    Length east = texelFetch(eastSpacings, ivec2(0, post.y), 0).x;
+    Length stepLength = length(direction.xy * vec2(east, northSpacing));
     vec2 scale = 1.0 / vec2(textureSize(heightPyramid, 0));
     // The last four samples. The spline has its first and last one twice more, so that it ends in them.
     vec4 last = vec4(0.0);

@@ -43,11 +43,7 @@ void main()
         Length height = postHeight(heights, coarse * stride + frame);
         vec3 across = vec3(float(away.x) * east, float(away.y) * northSpacing,
                            isVoid(height) ? 0.0 : height - here);
-        float off = dot(across, normal) / max(east, northSpacing);
-        vec2 near = mix(1.0 - share, share, vec2(corner));
-        // Never quite 0, where the post that stands for it is valid: one whose nearest are void takes
-        // what there is.
-        float weight = red.a * max(near.x * near.y, 1.0e-3) / (1.0 + 0.5 * off * off);
+        float weight = red.a * blockWeight(corner, share, across, normal, max(east, northSpacing));
         sum += weight * mat3(red.rgb, texelFetch(greenVector, coarse, 0).rgb,
                              texelFetch(blueVector, coarse, 0).rgb);
         weights += weight;

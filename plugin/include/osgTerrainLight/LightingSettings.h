@@ -24,11 +24,14 @@ OSGTERRAINLIGHT_EXPORT const char* toString(HorizonQuality quality);
 /// False where the text is none of draft, normal, best; quality is then unchanged.
 OSGTERRAINLIGHT_EXPORT bool fromString(const std::string& text, HorizonQuality& quality);
 
-/// How bounces are computed; docs/ARCHITECTURE.md compares the two.
+/// How bounces are computed and, with Legendre, direct light too; docs/ARCHITECTURE.md compares
+/// them.
 enum class BounceMethod
 {
-    Slices,         ///< each segment of terrain exactly: the cheapest way to a given error
-    Legendre,       ///< spherical harmonics of order 4, as Nowrouzezahrai and Snyder 2009
+    Slices, ///< each segment of terrain exactly: the cheapest way to a given error
+    /// All light as Nowrouzezahrai and Snyder 2009, also with no bounces: spherical harmonics of
+    /// order 4 from a pyramid of heights. No horizon map and no sweep; the sun is a key light.
+    Legendre,
     LegendreBSpline ///< the same, azimuths joined by B-splines instead of linearly
 };
 
@@ -46,8 +49,8 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
     int bounces = 0;
     BounceMethod bounceMethod = BounceMethod::Slices;
     /// Bounces are gathered at every 1st, 2nd or 4th post in both directions, and shaded with all
-    /// posts' own normals: 4 and 16 times less work (docs/ARCHITECTURE.md has the errors). By
-    /// slices alone.
+    /// posts' own normals: 4 and 16 times less work (docs/ARCHITECTURE.md has the errors). With
+    /// Legendre, direct light too.
     int subsampling = 1;
     /// While only light changes, bounces are computed in every n-th update, 1 … 16, and those of
     /// the last time are added to new direct light in between (Nowrouzezahrai and Snyder 2009,

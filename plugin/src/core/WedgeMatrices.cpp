@@ -1,5 +1,7 @@
 #include "core/WedgeMatrices.h"
 
+#include "core/Quadrature.h"
+
 #include <cassert>
 #include <cmath>
 #include <cstdlib>
@@ -10,54 +12,6 @@ namespace osgTerrainLight
 namespace
 {
 constexpr double pi = 3.14159265358979323846;
-
-/// Gauss-Legendre on 0 … 1. All integrands here are entire, products of a cubic and of cosines of
-/// at most 7 half turns; 32 nodes, exact to degree 63, leave of those nothing but rounding.
-constexpr int nodeCount = 32;
-struct Quadrature
-{
-    std::array<double, nodeCount> places;
-    std::array<double, nodeCount> weights;
-};
-
-Quadrature gaussLegendre()
-{
-    Quadrature rule = {};
-    for (int i = 0; i < nodeCount; ++i)
-    {
-        // Newton's method on P_n, from the usual estimate of its roots.
-        double x = std::cos(pi * (i + 0.75) / (nodeCount + 0.5));
-        double derivative = 1.0;
-        for (int step = 0; step < 8; ++step)
-        {
-            double before = 1.0;
-            double value = x;
-            for (int n = 2; n <= nodeCount; ++n)
-            {
-                const double next = ((2 * n - 1) * x * value - (n - 1) * before) / n;
-                before = value;
-                value = next;
-            }
-            derivative = nodeCount * (x * value - before) / (x * x - 1.0);
-            x -= value / derivative;
-        }
-        const auto at = static_cast<std::size_t>(i);
-        rule.places[at] = 0.5 * (1.0 - x);
-        rule.weights[at] = 1.0 / ((1.0 - x * x) * derivative * derivative);
-    }
-    return rule;
-}
-
-/// ∫ f over a … b.
-template <class Function>
-double integral(double a, double b, const Function& f)
-{
-    static const Quadrature rule = gaussLegendre();
-    double sum = 0.0;
-    for (std::size_t i = 0; i < rule.places.size(); ++i)
-        sum += rule.weights[i] * f(a + (b - a) * rule.places[i]);
-    return (b - a) * sum;
-}
 
 /// Associated Legendre function P_lm(cos θ), without the sign (−1)^m, by recurrence in l.
 double associatedLegendre(int l, int m, double theta)
@@ -148,6 +102,7 @@ void forEachHarmonic(const Function& function)
 
 WedgeMatrices::WedgeMatrices(double spacing) : _spacing(spacing), _linear(), _bspline()
 {
+    // All integrands are products of a cubic and of cosines of at most 7 half turns.
     assert(spacing > 0.0 && spacing <= 2.1);
     _linear[0] = moments(spacing, [](double a) { return 1.0 - a; });
     _linear[1] = moments(spacing, [](double a) { return a; });

@@ -108,6 +108,14 @@ osg::ref_ptr<osg::Texture2D> createHeightTexture(const DemTile& tile, int frame)
     return createFloatTexture(framed);
 }
 
+osg::ref_ptr<osg::Texture2D> createSpacingTexture(const DemTile& tile)
+{
+    Raster<float> spacings(1, tile.height());
+    for (int y = 0; y < tile.height(); ++y)
+        spacings.at(0, y) = static_cast<float>(tile.eastSpacing(y));
+    return createFloatTexture(spacings);
+}
+
 osg::ref_ptr<osg::Texture2D> createTarget(int width, int height, GLint internalFormat)
 {
     osg::ref_ptr<osg::Texture2D> texture = new osg::Texture2D;

@@ -22,6 +22,9 @@ namespace osgTerrainLight
 OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Texture2D> createHeightTexture(const DemTile& tile,
                                                                         int frame);
 
+/// R32F [m], one texel per row: the distance between its columns.
+OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Texture2D> createSpacingTexture(const DemTile& tile);
+
 /// A texture of the given values, format R32F.
 OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Texture2D> createFloatTexture(const Raster<float>& values);
 

@@ -206,6 +206,7 @@ Result<SettingsTrial::Run> SettingsTrial::run(osg::State& state, const LightingS
 {
     LightingSettings direct = settings; // the exhaustive scan knows no bounces
     direct.bounces = 0;
+    direct.bounceMethod = BounceMethod::Slices;
     const osg::ref_ptr<TileLighting> lighting = new TileLighting(_tile, direct, _sky, _definition);
     lighting->setTimed(true);
     Run result;

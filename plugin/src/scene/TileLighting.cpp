@@ -49,16 +49,11 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
 {
     _shading = createTarget(_tile.width(), _tile.height(), GL_RGBA16F_ARB);
     _nothing = createFloatTexture(Raster<float>(1, 1));
-    Raster<float> spacings(1, _tile.height());
-    for (int y = 0; y < _tile.height(); ++y)
-        spacings.at(0, y) = static_cast<float>(_tile.eastSpacing(y));
-    _eastSpacings = createFloatTexture(spacings);
-    _heights = createHeightTexture(_tile, HorizonPass::frame);
+    _eastSpacings = createSpacingTexture(_tile);
+    createHeights();
     for (const auto& pass : {_skyPass, _shadePass})
     {
-        pass->reads("heights", _heights);
         pass->reads("eastSpacings", _eastSpacings);
-        pass->set("frame", int(HorizonPass::frame));
         pass->set("size", _tile.width(), _tile.height());
         pass->set("northSpacing", static_cast<float>(_tile.northSpacing));
     }
@@ -99,14 +94,14 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                                         [this] { _table = nullptr; }});
     const auto skyView = _chain.addStage({"sky",
                                           {horizon, table},
-                                          [this] { return skyNeeded(); },
+                                          [this] { return skyNeeded() && bySlices(); },
                                           [this](osg::State& state) { return runSky(state); },
                                           [this] { return _skyView ? textureBytes(*_skyView) : 0; },
                                           [this] { _skyView = nullptr; }});
     const auto sun = _chain.addStage(
         {"sun",
          {_settingsValue, _sunPlaceValue, heights},
-         [this] { return sunNeeded(); },
+         [this] { return sunNeeded() && bySlices(); },
          [this](osg::State& state) { return runSun(state); },
          [this]
          {
@@ -120,7 +115,7 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
     const auto key = _chain.addStage(
         {"key",
          {_settingsValue, _keyPlaceValue, heights},
-         [this] { return keyNeeded(); },
+         [this] { return keyNeeded() && bySlices(); },
          [this](osg::State& state) { return runKey(state); },
          [this]
          {
@@ -131,20 +126,20 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                          : 0;
          },
          [this] { _key = nullptr; }});
-    _shadeOutput =
-        _chain.addStage({"shade",
-                         // Bounces are added to what this writes, so it runs before each.
-                         {skyView, sun, key, _lightValue, _bounceValue, heights},
-                         [] { return true; },
-                         [this](osg::State& state) { return runShade(state); },
-                         [this] { return textureBytes(*_shading); },
-                         [] {}});
     const auto pyramid = _chain.addStage({"pyramid",
                                           {_settingsValue, _bounceValue, heights},
-                                          [this] { return bounceNeeded(); },
+                                          [this] { return bounceNeeded() || legendreNeeded(); },
                                           [this](osg::State& state) { return runPyramid(state); },
-                                          [] { return std::size_t(0); },
-                                          [] {}});
+                                          [this] { return _pyramid ? _pyramid->bytes() : 0; },
+                                          [this] { _pyramid = nullptr; }});
+    _shadeOutput = _chain.addStage(
+        {"shade",
+         // Bounces are added to what this writes, so it runs before each.
+         {skyView, sun, key, pyramid, _settingsValue, _lightValue, _bounceValue, heights},
+         [] { return true; },
+         [this](osg::State& state) { return runShade(state); },
+         [this] { return textureBytes(*_shading) + (_direct ? _direct->bytes() : 0); },
+         [] {}});
     const auto bounce =
         _chain.addStage({"bounce",
                          {horizon, pyramid, _shadeOutput},
@@ -194,6 +189,7 @@ void TileLighting::setSettings(const LightingSettings& settings)
                          settings.bounceMethod != _settings.bounceMethod;
     if (settings.subsampling != _settings.subsampling)
     {
+        _direct = nullptr;
         _bounce = nullptr;
         _chain.touch(_bounceValue);
     }
@@ -202,17 +198,56 @@ void TileLighting::setSettings(const LightingSettings& settings)
     if (settings.bounces != _settings.bounces || settings.albedo != _settings.albedo)
     {
         _albedoTexture = nullptr;
+        if (!bySlices())
+            _bounce = nullptr; // what it has depends on how many there are
         _chain.touch(_bounceValue);
     }
+    const int before = frame();
     _settings = settings;
     if (!changed)
         return;
     _horizon = nullptr;
     _sun = nullptr;
+    _pyramid = nullptr;
+    _direct = nullptr;
     _key = nullptr;
     _table = nullptr;
     _bounce = nullptr;
     _chain.touch(_settingsValue);
+    if (frame() != before)
+    {
+        createHeights();
+        _chain.touch(_heightsValue);
+    }
+}
+
+bool TileLighting::legendreNeeded() const
+{
+    return !bySlices() && (skyNeeded() || sunNeeded() || keyNeeded());
+}
+
+int TileLighting::frame() const
+{
+    // A sweep reads far beyond the last post; a normal, one post.
+    return bySlices() ? HorizonPass::frame : 1;
+}
+
+void TileLighting::createHeights()
+{
+    if (_posts)
+    {
+        // They are written by a pass: a texture with an image would be loaded from it.
+        _heights = createTarget(width() + 2 * frame(), height() + 2 * frame(), GL_R32F);
+        _framePass->set("frame", frame());
+        _framePass->writes(0, _heights);
+    }
+    else
+        _heights = createHeightTexture(_tile, frame());
+    for (const auto& pass : {_skyPass, _shadePass})
+    {
+        pass->reads("heights", _heights);
+        pass->set("frame", frame());
+    }
 }
 
 bool TileLighting::bounceNeeded() const
@@ -283,24 +318,20 @@ void TileLighting::setPosts(osg::Texture2D* posts)
 {
     assert(posts);
     _chain.touch(_heightsValue);
-    if (!_posts)
+    const bool first = !_posts;
+    _posts = posts;
+    if (first)
     {
-        // From now on heights are written by a pass: a texture with an image would be loaded from
-        // it.
-        constexpr int frame = HorizonPass::frame;
-        _heights = createTarget(width() + 2 * frame, height() + 2 * frame, GL_R32F);
         _framePass = new GpuPass("frame_heights");
-        _framePass->set("frame", int(frame));
         _framePass->set("size", width(), height());
-        _framePass->writes(0, _heights);
-        for (const auto& pass : {_skyPass, _shadePass})
-            pass->reads("heights", _heights);
+        createHeights();
         _horizon = nullptr;
         _sun = nullptr;
+        _pyramid = nullptr;
+        _direct = nullptr;
         _key = nullptr;
         _bounce = nullptr;
     }
-    _posts = posts;
     _framePass->reads("posts", _posts);
 }
 
@@ -351,9 +382,8 @@ Status TileLighting::runHeights(osg::State& state)
 {
     // A pass of the host may have written the posts: OSG issues no barrier after it.
     state.get<osg::GLExtensions>()->glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
-    return _framePass->dispatch(state,
-                                {GpuPass::groupsFor(width() + 2 * HorizonPass::frame, 8),
-                                 GpuPass::groupsFor(height() + 2 * HorizonPass::frame, 8), 1});
+    return _framePass->dispatch(state, {GpuPass::groupsFor(width() + 2 * frame(), 8),
+                                        GpuPass::groupsFor(height() + 2 * frame(), 8), 1});
 }
 
 Status TileLighting::runHorizon(osg::State& state)
@@ -431,6 +461,14 @@ Status TileLighting::runKey(osg::State& state)
 
 Status TileLighting::runShade(osg::State& state)
 {
+    if (legendreNeeded())
+    {
+        if (!_direct)
+            _direct = new LegendreDirectPass(_tile, *_pyramid, _eastSpacings,
+                                             LegendreScheme::of(_settings));
+        return _direct->dispatch(state, _sky, _shading);
+    }
+    _direct = nullptr;
     GpuPass& pass = *_shadePass;
     areaLights().apply(pass);
     pass.reads("skyView", skyNeeded() ? _skyView.get() : _nothing.get());
@@ -445,20 +483,24 @@ Status TileLighting::runPyramid(osg::State& state)
 {
     // It runs where anything but light has changed that bounces depend on.
     _paces[state.getContextID()].due = true;
-    if (!_bounce && _settings.bounceMethod == BounceMethod::Slices)
+    if (!bySlices())
+    {
+        if (!_pyramid)
+            _pyramid = new HeightPyramid(_tile, _heights, frame());
+        return _pyramid->dispatch(state);
+    }
+    if (!_bounce)
         _bounce =
             new BouncePass(_tile, _heights, _eastSpacings, BounceScheme::of(_settings.quality),
                            _settings.azimuths, _settings.subsampling);
-    else if (!_bounce)
-        _bounce = new LegendreBouncePass(
-            _tile, _heights, _eastSpacings, legendreScheme(_settings.quality), _settings.azimuths,
-            _settings.bounceMethod == BounceMethod::Legendre ? AzimuthBlend::Linear
-                                                             : AzimuthBlend::BSpline);
     return _bounce->dispatchHeights(state);
 }
 
 Status TileLighting::runBounce(osg::State& state)
 {
+    if (!_bounce)
+        _bounce = new LegendreBouncePass(_tile, *_pyramid, _eastSpacings,
+                                         LegendreScheme::of(_settings), _settings.bounces);
     if (!_albedoTexture)
         _albedoTexture =
             createColourTexture(_albedo.size() ? _albedo : Raster<Rgb>(1, 1, _settings.albedo));
@@ -474,9 +516,8 @@ Status TileLighting::runBounce(osg::State& state)
     return done;
 }
 
-Raster<osg::Vec4f> TileLighting::readColours(osg::State& state, osg::Texture2D& texture) const
+Raster<osg::Vec4f> TileLighting::coloursOf(const std::vector<float>& values) const
 {
-    const std::vector<float> values = readFloats(state, texture, 4);
     Raster<osg::Vec4f> colours(width(), height());
     for (std::size_t i = 0; i < colours.size(); ++i)
         colours.values()[i] =
@@ -486,13 +527,15 @@ Raster<osg::Vec4f> TileLighting::readColours(osg::State& state, osg::Texture2D& 
 
 Raster<osg::Vec4f> TileLighting::readShading(osg::State& state) const
 {
-    return readColours(state, *_shading);
+    return coloursOf(readFloats(state, *_shading, 4));
 }
 
 Raster<osg::Vec4f> TileLighting::readLastBounce(osg::State& state) const
 {
     assert(_bounce);
-    return readColours(state, *_bounce->light());
+    const Result<std::vector<float>> light = _bounce->readLight(state);
+    assert(light.ok()); // its shaders have just run
+    return coloursOf(light.value());
 }
 
 Raster<float> TileLighting::readSkyView(osg::State& state) const
@@ -557,6 +600,10 @@ void TileLighting::releaseGLObjects(osg::State* state) const
             pass->releaseGLObjects(state);
     if (_ownHeights)
         _ownHeights->releaseGLObjects(state);
+    if (_pyramid)
+        _pyramid->releaseGLObjects(state);
+    if (_direct)
+        _direct->releaseGLObjects(state);
     if (_bounce)
         _bounce->releaseGLObjects(state);
     if (_sum)
@@ -580,6 +627,10 @@ void TileLighting::resizeGLObjectBuffers(unsigned size)
             pass->resizeGLObjectBuffers(size);
     if (_posts)
         _posts->resizeGLObjectBuffers(size);
+    if (_pyramid)
+        _pyramid->resizeGLObjectBuffers(size);
+    if (_direct)
+        _direct->resizeGLObjectBuffers(size);
     if (_bounce)
         _bounce->resizeGLObjectBuffers(size);
     if (_sum)

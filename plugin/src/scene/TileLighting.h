@@ -13,7 +13,9 @@
 #include "gpu/PassChain.h"
 #include "gpu/passes/AreaLights.h"
 #include "gpu/passes/Bounces.h"
+#include "gpu/passes/HeightPyramid.h"
 #include "gpu/passes/HorizonPass.h"
+#include "gpu/passes/LegendreDirectPass.h"
 #include "gpu/passes/SkyTablePass.h"
 
 #include <osg/Referenced>
@@ -40,9 +42,11 @@ enum class SkyViewDefinition
 /// Setters may be called from any thread; update() and the read functions need the current context
 /// of their state. Stages: heights (they have been set), horizon (a sky or a bounce is on), table
 /// (a sky in harmonics is on), sky (a sky is on), sun (a sun is on and not wholly below the
-/// horizontal), key (a key light is above the horizontal and not black), shade, pyramid and bounce
-/// (bounces are on, and there is what they would bounce), indirect (bounces are not computed in
-/// every update: adds those that were).
+/// horizontal), key (a key light is above the horizontal and not black), pyramid (of heights:
+/// bounces are on), shade, bounce (bounces are on, and there is what they would bounce), indirect
+/// (bounces are not computed in every update: adds those that were). With a BounceMethod other than
+/// Slices, horizon, table, sky, sun and key do not exist: where there is any light, shade takes it
+/// from the pyramid.
 class OSGTERRAINLIGHT_EXPORT TileLighting : public osg::Referenced
 {
 public:
@@ -94,8 +98,9 @@ public:
     /// Read-back, all in tile order (row 0 south). Call after update().
     Raster<osg::Vec4f> readShading(osg::State& state) const;
     Raster<float>
-    readSkyView(osg::State& state) const; ///< NaN where void; precondition: a uniform sky is on
-    HorizonMap readHorizons(osg::State& state) const; ///< precondition: a sky is on
+    readSkyView(osg::State& state) const; ///< NaN where void; as readHorizons, the sky uniform
+    /// Precondition: a sky is on, and the method is Slices.
+    HorizonMap readHorizons(osg::State& state) const;
     /// Of the last bounce alone: rgb = irradiance / π, a = 1; 0 where void. Precondition: bounces
     /// are on.
     Raster<osg::Vec4f> readLastBounce(osg::State& state) const;
@@ -113,16 +118,18 @@ private:
     ~TileLighting() override = default;
 
     bool skyNeeded() const { return _sky.skyEnabled; }
-    bool tableNeeded() const { return skyNeeded() && !_sky.skyHarmonics.empty(); }
+    bool tableNeeded() const { return bySlices() && skyNeeded() && !_sky.skyHarmonics.empty(); }
     bool sunNeeded() const { return needsSun(_sky); }
     bool keyNeeded() const { return keyAzimuths(_sky, _settings) > 0; }
     AreaLights areaLights() const;
     bool bounceNeeded() const;
-    bool horizonNeeded() const
-    {
-        return skyNeeded() || (bounceNeeded() && _settings.bounceMethod == BounceMethod::Slices);
-    }
-    Raster<osg::Vec4f> readColours(osg::State& state, osg::Texture2D& texture) const;
+    bool bySlices() const { return _settings.bounceMethod == BounceMethod::Slices; }
+    bool horizonNeeded() const { return bySlices() && (skyNeeded() || bounceNeeded()); }
+    /// Whether direct light is the scheme's of Nowrouzezahrai and Snyder.
+    bool legendreNeeded() const;
+    int frame() const; ///< of the heights: void posts on every side
+    void createHeights();
+    Raster<osg::Vec4f> coloursOf(const std::vector<float>& values) const;
     void setPosts(osg::Texture2D* posts);
     Status runHeights(osg::State& state);
     Status runHorizon(osg::State& state);
@@ -170,6 +177,8 @@ private:
     osg::ref_ptr<osg::Texture2D> _shading;
     osg::ref_ptr<GpuPass> _skyPass;
     osg::ref_ptr<GpuPass> _shadePass;
+    osg::ref_ptr<HeightPyramid> _pyramid;     ///< where the method is not Slices
+    osg::ref_ptr<LegendreDirectPass> _direct; ///< ditto
     osg::ref_ptr<Bounces> _bounce;
     osg::ref_ptr<LightSum> _sum; ///< of the bounces, where they are not computed in every update
     Raster<Rgb> _albedo;         ///< empty: the settings'

@@ -289,9 +289,14 @@ Status BouncePass::dispatch(osg::State& state, int bounces, const SkyLight& sky,
         if (done && _upsample)
             done = _upsample->dispatch(state, groups);
         if (done)
-            done = keep(state, bounce);
+            done = keep(state, _light, bounce);
     }
     return done;
+}
+
+Result<std::vector<float>> BouncePass::readLight(osg::State& state)
+{
+    return readFloats(state, *_light, 4);
 }
 
 std::vector<osg::Texture2D*> BouncePass::textures() const

@@ -78,8 +78,8 @@ public:
     Status dispatch(osg::State& state, int bounces, const SkyLight& sky,
                     osg::Texture2DArray* horizon, osg::Texture2D* albedo,
                     osg::Texture2D* shading) override;
+    Result<std::vector<float>> readLight(osg::State& state) override;
     void setAreaLights(const AreaLights& lights) override;
-    osg::Texture2D* light() const override { return _light; }
 
     /// RG32F: height [m] times weight, weight; above the posts, as layout() has its levels.
     osg::Texture2D* heightPyramid() const { return _heightPyramid; }

@@ -44,9 +44,9 @@ void LightSum::resizeGLObjectBuffers(unsigned size)
     _sum->resizeGLObjectBuffers(size);
 }
 
-Status Bounces::keep(osg::State& state, int bounce)
+Status Bounces::keep(osg::State& state, osg::Texture2D* light, int bounce)
 {
-    return _sum ? _sum->add(state, light(), bounce == 0) : Nothing{};
+    return _sum ? _sum->add(state, light, bounce == 0) : Nothing{};
 }
 
 std::size_t Bounces::bytes() const

@@ -48,8 +48,8 @@ private:
 class OSGTERRAINLIGHT_EXPORT Bounces : public osg::Referenced
 {
 public:
-    /// Builds the pyramid of heights.
-    virtual Status dispatchHeights(osg::State& state) = 0;
+    /// Builds the pyramid of heights, where it is its own.
+    virtual Status dispatchHeights(osg::State&) { return Nothing{}; }
 
     /// Adds `bounces` ≥ 1 bounces to `shading` (RGBA16F, irradiance / π in, and out). horizon: of
     /// as many azimuths, or null where the method needs none. albedo: a texel per post, or one for
@@ -62,8 +62,8 @@ public:
     /// light bounces. From the next dispatch on.
     virtual void setAreaLights(const AreaLights&) {}
 
-    /// RGBA16F: irradiance / π of the last bounce.
-    virtual osg::Texture2D* light() const = 0;
+    /// Irradiance / π of the last bounce, then 1, post by post; 0 where void.
+    virtual Result<std::vector<float>> readLight(osg::State& state) = 0;
 
     /// dispatch() leaves the sum of its bounces there, too. Null: nowhere.
     void keepSum(LightSum* sum) { _sum = sum; }
@@ -79,8 +79,9 @@ protected:
     virtual std::vector<osg::Texture2D*> textures() const = 0;
     virtual std::vector<GpuPass*> passes() const = 0;
 
-    /// To be called after each bounce, 0, 1, …
-    Status keep(osg::State& state, int bounce);
+    /// For a way that has the light of each bounce, 0, 1, …: to be called after it.
+    Status keep(osg::State& state, osg::Texture2D* light, int bounce);
+    LightSum* sum() const { return _sum; }
 
 private:
     osg::ref_ptr<LightSum> _sum;

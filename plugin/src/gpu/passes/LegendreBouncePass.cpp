@@ -2,103 +2,113 @@
 
 #include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
-#include "gpu/passes/HorizonPass.h"
 #include "gpu/passes/PyramidRays.h"
 
-#include <array>
+#include <limits>
 
 namespace osgTerrainLight
 {
 
-namespace
+LegendreBouncePass::LegendreBouncePass(const DemTile& tile, const HeightPyramid& pyramid,
+                                       osg::Texture2D* eastSpacings, const LegendreScheme& scheme,
+                                       int bounces)
+    : _width(tile.width()), _height(tile.height()), _blocksAcross((_width - 1) / scheme.stride + 1),
+      _blocksUp((_height - 1) / scheme.stride + 1),
+      _blocks(PyramidLayout::ofPosts(_blocksAcross, _blocksUp)),
+      _groups(legendreGroups(_width, _height, scheme.stride)),
+      _radiance(createTarget(_blocksAcross, _blocksUp, GL_RGBA16F_ARB)),
+      _radiancePyramid(createTarget(_blocks.width, _blocks.height, GL_RGBA16F_ARB)),
+      _postRadiance(new GpuPass("post_radiance")),
+      _reduceRadiance(new GpuPass("pyramid", {"ON_POSTS"})),
+      _last(createLegendreLight({}, tile, pyramid, eastSpacings, scheme))
 {
-constexpr double pi = 3.14159265358979323846;
-} // namespace
-
-BounceScheme legendreScheme(HorizonQuality quality)
-{
-    switch (quality)
+    if (bounces > 1)
     {
-    case HorizonQuality::Draft:
-        return {4.0, 2.0};
-    case HorizonQuality::Best:
-        return {8.0, 8.0};
-    default:
-        return {8.0, 4.0};
+        _light = createTarget(_blocksAcross, _blocksUp, GL_RGBA16F_ARB);
+        _other = createLegendreLight({"SENDS_ON"}, tile, pyramid, eastSpacings, scheme);
     }
-}
-
-LegendreBouncePass::LegendreBouncePass(const DemTile& tile, osg::Texture2D* heights,
-                                       osg::Texture2D* eastSpacings, const BounceScheme& scheme,
-                                       int azimuths, AzimuthBlend blend)
-    : _width(tile.width()), _height(tile.height()), _posts(PyramidLayout::ofPosts(_width, _height)),
-      _heights(heights), _postRadiance(new GpuPass("post_radiance")),
-      _bounce(new GpuPass("legendre_bounce")),
-      _firstHeights(new GpuPass("pyramid", {"HEIGHTS", "FROM_POSTS"})),
-      _nextHeights(new GpuPass("pyramid", {"HEIGHTS"})),
-      _reduceRadiance(new GpuPass("pyramid", {"ON_POSTS"}))
-{
-    _heightPyramid = createTarget(_posts.width, _posts.height, GL_RG32F);
-    _radiancePyramid = createTarget(_posts.width, _posts.height, GL_RGBA16F_ARB);
-    _radiance = createTarget(_width, _height, GL_RGBA16F_ARB);
-    _light = createTarget(_width, _height, GL_RGBA16F_ARB);
-
-    _stepLengths =
-        setPyramidRays(*_bounce, tile, scheme, azimuths, _heights, _posts, _heightPyramid);
-    _postRadiance->reads("heights", heights);
+    _postRadiance->reads("heights", pyramid.heights());
     _postRadiance->set("size", _width, _height);
-    _postRadiance->set("frame", int(HorizonPass::frame));
+    _postRadiance->set("frame", pyramid.frame());
+    _postRadiance->set("stride", scheme.stride);
     _postRadiance->writes(0, _radiance);
-    const std::array<double, 4> even = WedgeMatrices(2.0 * pi / azimuths).weights(blend).even;
-    _bounce->reads("eastSpacings", eastSpacings);
-    _bounce->reads("radiance", _radiance);
-    _bounce->reads("radiancePyramid", _radiancePyramid);
-    _bounce->writes(1, _light);
-    _bounce->set("azimuths", azimuths);
-    _bounce->set("northSpacing", static_cast<float>(tile.northSpacing));
-    _bounce->set("orderWeights",
-                 osg::Vec4f(static_cast<float>(even[0]), static_cast<float>(even[1]),
-                            static_cast<float>(even[2]), static_cast<float>(even[3])));
-}
-
-Status LegendreBouncePass::dispatchHeights(osg::State& state)
-{
-    return reducePyramid(state, _posts, *_firstHeights, _heights, HorizonPass::frame, *_nextHeights,
-                         _heightPyramid);
+    std::vector<osg::Vec4f> rays = raySteps(tile.nominalEastSpacing(), tile.northSpacing,
+                                            directionsOf(AzimuthSet(scheme.azimuths)));
+    rays.resize(256);
+    for (const auto& pass : {_last, _other})
+        if (pass)
+        {
+            pass->setBlock(rays);
+            pass->set("azimuths", scheme.azimuths);
+            setLevels(*pass, "radianceLevels", _blocks);
+            pass->set("radianceLevelCount", static_cast<int>(_blocks.levels.size()));
+            pass->reads("radiance", _radiance);
+            pass->reads("radiancePyramid", _radiancePyramid);
+        }
+    if (_other)
+        _other->writes(1, _light);
 }
 
 Status LegendreBouncePass::dispatch(osg::State& state, int bounces, const SkyLight&,
                                     osg::Texture2DArray*, osg::Texture2D* albedo,
                                     osg::Texture2D* shading)
 {
-    const GpuPass::Groups groups = {GpuPass::groupsFor(_width, 8), GpuPass::groupsFor(_height, 8),
-                                    1};
     _postRadiance->reads("albedo", albedo);
-    _bounce->writes(0, shading, GpuPass::Access::ReadWrite);
     Status done = Nothing{};
     for (int bounce = 0; done && bounce < bounces; ++bounce)
     {
         _postRadiance->reads("light", bounce == 0 ? shading : _light.get());
-        done = _postRadiance->dispatch(state, groups);
+        _postRadiance->set("byBlock", bounce > 0);
+        done = _postRadiance->dispatch(
+            state, {GpuPass::groupsFor(_blocksAcross, 8), GpuPass::groupsFor(_blocksUp, 8), 1});
         if (done)
-            done = reducePyramid(state, _posts, *_reduceRadiance, _radiance, 0, *_reduceRadiance,
+            done = reducePyramid(state, _blocks, *_reduceRadiance, _radiance, 0, *_reduceRadiance,
                                  _radiancePyramid);
+        GpuPass& pass = bounce + 1 < bounces ? *_other : *_last;
+        aim(pass, shading, false, false);
         if (done)
-            done = _bounce->dispatch(state, groups);
-        if (done)
-            done = keep(state, bounce);
+            done = pass.dispatch(state, _groups);
+        if (done && sum())
+        {
+            // Its light is stored nowhere: what is kept of it is gathered once more.
+            aim(pass, sum()->texture(), true, bounce == 0);
+            done = pass.dispatch(state, _groups);
+        }
     }
     return done;
 }
 
+void LegendreBouncePass::aim(GpuPass& pass, osg::Texture2D* target, bool signedLight, bool fresh)
+{
+    pass.writes(0, target, GpuPass::Access::ReadWrite);
+    pass.set("darkest", signedLight ? std::numeric_limits<float>::lowest() : 0.0f);
+    pass.set("fresh", fresh);
+}
+
+Result<std::vector<float>> LegendreBouncePass::readLight(osg::State& state)
+{
+    // What it was gathered from is still there.
+    const osg::ref_ptr<osg::Texture2D> light = createTarget(_width, _height, GL_RGBA16F_ARB);
+    aim(*_last, light, true, true);
+    if (Status done = _last->dispatch(state, _groups); !done)
+        return done.error();
+    return readFloats(state, *light, 4);
+}
+
 std::vector<osg::Texture2D*> LegendreBouncePass::textures() const
 {
-    return {_stepLengths, _heightPyramid, _radiancePyramid, _radiance, _light};
+    std::vector<osg::Texture2D*> all = {_radiance, _radiancePyramid};
+    if (_light)
+        all.push_back(_light);
+    return all;
 }
 
 std::vector<GpuPass*> LegendreBouncePass::passes() const
 {
-    return {_postRadiance, _bounce, _firstHeights, _nextHeights, _reduceRadiance};
+    std::vector<GpuPass*> all = {_postRadiance, _reduceRadiance, _last};
+    if (_other)
+        all.push_back(_other);
+    return all;
 }
 
 } // namespace osgTerrainLight

@@ -6,6 +6,7 @@
 #include "core/Result.h"
 #include "gpu/GpuPass.h"
 #include "gpu/passes/BouncePass.h"
+#include "gpu/passes/HeightPyramid.h"
 
 #include <osg/Texture2D>
 #include <osg/Texture2DArray>
@@ -48,12 +49,10 @@ private:
     ~PyramidHorizonPass() override = default;
 
     int _width, _height, _azimuths;
-    PyramidLayout _posts;
-    osg::ref_ptr<osg::Texture2D> _heights;
-    osg::ref_ptr<osg::Texture2D> _heightPyramid;
-    osg::ref_ptr<osg::Texture2D> _stepLengths;
+    osg::ref_ptr<HeightPyramid> _pyramid;
+    osg::ref_ptr<osg::Texture2D> _eastSpacings;
     osg::ref_ptr<osg::Texture2DArray> _horizon;
-    osg::ref_ptr<GpuPass> _firstHeights, _nextHeights, _scan;
+    osg::ref_ptr<GpuPass> _scan;
 };
 
 } // namespace osgTerrainLight

@@ -2,21 +2,33 @@
 
 #include <osgTerrainLight/DemTile.h>
 
+#include "core/AzimuthSet.h"
 #include "gpu/GpuPass.h"
 #include "gpu/passes/BouncePass.h"
+#include "gpu/passes/HeightPyramid.h"
 
-#include <osg/Texture2D>
+#include <osg/Vec4f>
+
+#include <vector>
 
 namespace osgTerrainLight
 {
 
-/// Tells a pass how to scan a pyramid on posts from every post, in equally spaced azimuths: sets
-/// heights, stepLengths, heightPyramid, size, frame, directions, samplesPerOctave, offset,
-/// sampleCount, levelCount and levels. heights: createHeightTexture(tile, HorizonPass::frame).
-/// Returns the texture of step lengths.
-osg::ref_ptr<osg::Texture2D> setPyramidRays(GpuPass& pass, const DemTile& tile,
-                                            const BounceScheme& scheme, int azimuths,
-                                            osg::Texture2D* heights, const PyramidLayout& posts,
-                                            osg::Texture2D* heightPyramid);
+/// A step along each direction, as the shaders that scan a pyramid have it: posts to the east and
+/// to the north, one of them ±1; the direction on the ground. eastSpacing: the tile's nominal one.
+std::vector<osg::Vec4f> raySteps(double eastSpacing, double northSpacing,
+                                 const std::vector<MapDirection>& directions);
+
+/// All directions of a set, in its order.
+std::vector<MapDirection> directionsOf(const AzimuthSet& set);
+
+/// Sets what a pass that scans a pyramid from every post needs beside the rays: heights,
+/// eastSpacings, northSpacing, heightPyramid, size, frame, samplesPerOctave, offset, sampleCount,
+/// levelCount and levels. eastSpacings: createSpacingTexture(tile).
+void setPyramidScan(GpuPass& pass, const DemTile& tile, const BounceScheme& scheme,
+                    const HeightPyramid& pyramid, osg::Texture2D* eastSpacings);
+
+/// Sets an array of levels.
+void setLevels(GpuPass& pass, const char* uniform, const PyramidLayout& layout);
 
 } // namespace osgTerrainLight
