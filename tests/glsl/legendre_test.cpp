@@ -343,7 +343,8 @@ TYPED_TEST(LegendreFunctions, HalfTurnIsTheValueAtTheMirrorDirection)
         for (double& c : sh)
             c = uniform(random);
         const auto function = fromArray<TypeParam>(sh);
-        const auto value = [&](const typename Glsl<TypeParam>::ShVector& of, double z, double azimuth)
+        const auto value =
+            [&](const typename Glsl<TypeParam>::ShVector& of, double z, double azimuth)
         {
             const Sh basis = expectedBasis(z, azimuth);
             const Sh found = toArray<TypeParam>(of);
@@ -361,9 +362,9 @@ TYPED_TEST(LegendreFunctions, HalfTurnIsTheValueAtTheMirrorDirection)
         const glm::dvec3 n = glm::normalize(glm::dvec3(normal));
         const glm::dvec3 mirror = 2.0 * glm::dot(n, glm::dvec3(d)) * n - glm::dvec3(d);
         const auto turned = glsl.shHalfTurn(function, normal);
-        EXPECT_NEAR(value(turned, z, azimuth),
-                    value(function, std::clamp(mirror.z, -1.0, 1.0), std::atan2(mirror.y, mirror.x)),
-                    bound)
+        EXPECT_NEAR(
+            value(turned, z, azimuth),
+            value(function, std::clamp(mirror.z, -1.0, 1.0), std::atan2(mirror.y, mirror.x)), bound)
             << up;
         const auto ours = glsl.mirrored(direction<TypeParam>(z, azimuth), normal);
         for (int c = 0; c < 3; ++c)

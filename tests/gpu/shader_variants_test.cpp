@@ -29,6 +29,10 @@ const std::vector<Variant> variants = {
     {"bounce", {"DIRECT"}},
     {"bounce", {"DIRECT", "COARSE"}},
     {"frame_heights", {}},
+    {"gloss", {}},
+    {"gloss", {"DIRECT"}},
+    {"gloss", {"SCALAR"}},
+    {"gloss_shade", {}},
     {"horizon_near", {}},
     {"horizon_scan", {}},
     // The nearest line; one line per post (Draft, Normal), or more.
@@ -45,6 +49,7 @@ const std::vector<Variant> variants = {
     {"pyramid", {"HEIGHTS"}},
     {"pyramid", {"HEIGHTS", "FROM_POSTS"}},
     {"pyramid", {"ON_POSTS"}},
+    {"pyramid", {"ON_POSTS", "LAYERED"}},
     {"pyramid_horizon", {}},
     {"radiance", {}},
     {"radiance", {"DIRECT"}},

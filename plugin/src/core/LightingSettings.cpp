@@ -64,6 +64,8 @@ const std::vector<ParameterRange>& ParameterRange::all()
         {"bounces", "", 0, 8, "diffuse bounces of light from terrain to terrain"},
         {"subsampling", "", 1, 4, "posts from one that gathers bounces to the next: 1, 2 or 4"},
         {"albedo", "", 0, 1, "part of the light that the ground reflects, per channel"},
+        {"gloss", "", 0, 1, "part of the light that the ground mirrors"},
+        {"gloss-exponent", "", 1, 64, "how sharply it mirrors: exponent of the Phong lobe"},
         {"exposure", "stops", -20, 20, "brightness of the displayed picture"},
         {"sun-azimuth", "degrees", -360, 720, "clockwise from north"},
         {"sun-elevation", "degrees", -90, 90, "above the horizontal"},

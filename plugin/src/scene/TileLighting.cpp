@@ -110,6 +110,22 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                          [this](osg::State& state) { return runShade(state); },
                          [this] { return textureBytes(*_shading); },
                          [] {}});
+    const auto gloss =
+        _chain.addStage({"gloss",
+                         {horizon, shade},
+                         [this] { return glossNeeded(); },
+                         [this](osg::State& state) { return runGloss(state); },
+                         [this]
+                         {
+                             return textureBytes(*_glossLight) +
+                                    (_glossPass ? _glossPass->bytes() : 0) +
+                                    (_materialTexture ? textureBytes(*_materialTexture) : 0);
+                         },
+                         [this]
+                         {
+                             _glossPass = nullptr;
+                             _materialTexture = nullptr;
+                         }});
     const auto pyramid = _chain.addStage({"pyramid",
                                           {_settingsValue, _bounceValue, heights},
                                           [this] { return bounceNeeded(); },
@@ -117,7 +133,7 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                                           [] { return std::size_t(0); },
                                           [] {}});
     _chain.addStage({"bounce",
-                     {horizon, pyramid, shade},
+                     {horizon, pyramid, shade, gloss},
                      [this] { return bounceNeeded(); },
                      [this](osg::State& state) { return runBounce(state); },
                      [this] {
@@ -129,6 +145,7 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                          _bounce = nullptr;
                          _albedoTexture = nullptr;
                      }});
+    followGloss();
 }
 
 bool TileLighting::needsSun(const SkyLight& sky)
@@ -147,17 +164,23 @@ void TileLighting::setSettings(const LightingSettings& settings)
         _bounce = nullptr;
         _chain.touch(_bounceValue);
     }
+    if (settings.gloss != _settings.gloss || settings.glossExponent != _settings.glossExponent ||
+        settings.glossTransfer != _settings.glossTransfer ||
+        settings.glossViewer != _settings.glossViewer || settings.bounces != _settings.bounces)
+        forgetGloss();
     if (settings.bounces != _settings.bounces || settings.albedo != _settings.albedo)
     {
         _albedoTexture = nullptr;
         _chain.touch(_bounceValue);
     }
     _settings = settings;
+    followGloss();
     if (!changed)
         return;
     _horizon = nullptr;
     _sun = nullptr;
     _bounce = nullptr;
+    _glossPass = nullptr;
     _chain.touch(_settingsValue);
 }
 
@@ -165,7 +188,43 @@ bool TileLighting::bounceNeeded() const
 {
     // Less than two posts a side have no cell between them to send light.
     return _settings.bounces > 0 && (skyNeeded() || sunNeeded()) && width() > 1 && height() > 1 &&
-           !(_albedo.empty() ? isBlack(_settings.albedo) : _albedoIsBlack);
+           (glossNeeded() || !(_albedo.empty() ? isBlack(_settings.albedo) : _albedoIsBlack));
+}
+
+void TileLighting::setGloss(Raster<std::array<float, 2>> gloss)
+{
+    Lock lock(_mutex);
+    assert(gloss.size() == 0 || (gloss.width() == width() && gloss.height() == height()));
+    _gloss = std::move(gloss);
+    _hasGloss = std::any_of(_gloss.values().begin(), _gloss.values().end(),
+                            [](const std::array<float, 2>& post) { return post[0] > 0.0f; });
+    forgetGloss();
+    followGloss();
+}
+
+void TileLighting::forgetGloss()
+{
+    _materialTexture = nullptr;
+    _glossPass = nullptr;
+    _bounce = nullptr; // it holds the pass
+    _chain.touch(_bounceValue);
+}
+
+void TileLighting::followGloss()
+{
+    if (!glossNeeded())
+        _glossLight = nullptr;
+    else if (!_glossLight)
+    {
+        _glossLight = createLayeredTarget(width(), height(), GlossPass::layers, GL_RGBA16F_ARB);
+        forgetGloss();
+    }
+}
+
+osg::ref_ptr<osg::Texture2DArray> TileLighting::glossLight() const
+{
+    Lock lock(_mutex);
+    return _glossLight;
 }
 
 void TileLighting::setAlbedo(Raster<Rgb> albedo)
@@ -185,6 +244,7 @@ void TileLighting::setSky(const SkyLight& sky)
         sky.sunAngularRadius != _sky.sunAngularRadius)
         _chain.touch(_sunPlaceValue);
     _sky = sky;
+    followGloss();
     _chain.touch(_lightValue);
 }
 
@@ -229,6 +289,7 @@ void TileLighting::setPosts(osg::Texture2D* posts)
         _horizon = nullptr;
         _sun = nullptr;
         _bounce = nullptr;
+        _glossPass = nullptr;
     }
     _posts = posts;
     _framePass->reads("posts", _posts);
@@ -334,12 +395,40 @@ Status TileLighting::runShade(osg::State& state)
                          {GpuPass::groupsFor(width(), 8), GpuPass::groupsFor(height(), 8), 1});
 }
 
+Status TileLighting::runGloss(osg::State& state)
+{
+    if (!_materialTexture)
+    {
+        Raster<Rgb> material(1, 1,
+                             {static_cast<float>(_settings.gloss),
+                              static_cast<float>(_settings.glossExponent), 0.0f});
+        if (_gloss.size())
+        {
+            material = Raster<Rgb>(width(), height());
+            for (std::size_t i = 0; i < material.size(); ++i)
+                material.values()[i] = {_gloss.values()[i][0], _gloss.values()[i][1], 0.0f};
+        }
+        _materialTexture = createColourTexture(material);
+    }
+    if (!_glossPass)
+    {
+        const bool transfer = bounceNeeded() && _settings.bounceMethod == BounceMethod::Slices;
+        _glossPass = new GlossPass(_tile, _heights, _eastSpacings, _materialTexture, _glossLight,
+                                   _settings.azimuths, transfer ? _settings.bounces : 0,
+                                   _settings.glossTransfer, _settings.glossViewer);
+    }
+    SkyLight sky = _sky;
+    sky.sunEnabled = sunNeeded();
+    return _glossPass->dispatchDirect(
+        state, sky, _horizon ? _horizon->horizon() : _nothingLayered.get(), _shading);
+}
+
 Status TileLighting::runPyramid(osg::State& state)
 {
     if (!_bounce && _settings.bounceMethod == BounceMethod::Slices)
         _bounce =
             new BouncePass(_tile, _heights, _eastSpacings, BounceScheme::of(_settings.quality),
-                           _settings.azimuths, _settings.subsampling);
+                           _settings.azimuths, _settings.subsampling, _glossPass);
     else if (!_bounce)
         _bounce = new LegendreBouncePass(
             _tile, _heights, _eastSpacings, legendreScheme(_settings.quality), _settings.azimuths,
@@ -369,6 +458,12 @@ Raster<osg::Vec4f> TileLighting::readColours(osg::State& state, osg::Texture2D& 
         colours.values()[i] =
             osg::Vec4f(values[4 * i], values[4 * i + 1], values[4 * i + 2], values[4 * i + 3]);
     return colours;
+}
+
+std::vector<float> TileLighting::readGlossLight(osg::State& state) const
+{
+    assert(_glossLight);
+    return readFloats(state, *_glossLight, 4);
 }
 
 Raster<osg::Vec4f> TileLighting::readShading(osg::State& state) const
@@ -442,6 +537,12 @@ void TileLighting::releaseGLObjects(osg::State* state) const
         _ownHeights->releaseGLObjects(state);
     if (_bounce)
         _bounce->releaseGLObjects(state);
+    if (_glossPass)
+        _glossPass->releaseGLObjects(state);
+    for (const osg::Texture* texture :
+         {static_cast<osg::Texture*>(_glossLight), static_cast<osg::Texture*>(_materialTexture)})
+        if (texture)
+            texture->releaseGLObjects(state);
     for (const auto& texture :
          {_heights, _eastSpacings, _skyView, _shading, _albedoTexture, _nothing})
         if (texture)
@@ -462,6 +563,12 @@ void TileLighting::resizeGLObjectBuffers(unsigned size)
         _posts->resizeGLObjectBuffers(size);
     if (_bounce)
         _bounce->resizeGLObjectBuffers(size);
+    if (_glossPass)
+        _glossPass->resizeGLObjectBuffers(size);
+    for (osg::Texture* texture :
+         {static_cast<osg::Texture*>(_glossLight), static_cast<osg::Texture*>(_materialTexture)})
+        if (texture)
+            texture->resizeGLObjectBuffers(size);
     for (const auto& texture :
          {_heights, _eastSpacings, _skyView, _shading, _albedoTexture, _nothing})
         if (texture)

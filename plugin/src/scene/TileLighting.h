@@ -12,13 +12,16 @@
 #include "gpu/HeightTexture.h"
 #include "gpu/PassChain.h"
 #include "gpu/passes/Bounces.h"
+#include "gpu/passes/GlossPass.h"
 #include "gpu/passes/HorizonPass.h"
 
 #include <osg/Referenced>
 #include <osg/Texture2D>
+#include <osg/Texture2DArray>
 
 #include <OpenThreads/Mutex>
 
+#include <array>
 #include <vector>
 
 namespace osgTerrainLight
@@ -36,8 +39,9 @@ enum class SkyViewDefinition
 ///
 /// Setters may be called from any thread; update() and the read functions need the current context
 /// of their state. Stages: heights (they have been set), horizon (a sky or a bounce is on), sky (a
-/// sky is on), sun (a sun is on and not wholly below the horizontal), shade, pyramid and bounce
-/// (bounces are on, and there is what they would bounce).
+/// sky is on), sun (a sun is on and not wholly below the horizontal), shade, gloss (the ground is
+/// glossy, and there is light), pyramid and bounce (bounces are on, and there is what they would
+/// bounce).
 class OSGTERRAINLIGHT_EXPORT TileLighting : public osg::Referenced
 {
 public:
@@ -59,6 +63,10 @@ public:
 
     /// Albedo per post, 0 … 1, row 0 south, instead of the settings'; empty: theirs again.
     void setAlbedo(Raster<Rgb> albedo);
+
+    /// Gloss (0 … 1) and exponent (1 … 64) per post, row 0 south, instead of the settings'; empty:
+    /// theirs again.
+    void setGloss(Raster<std::array<float, 2>> gloss);
 
     /// Replaces all heights: width() x height() values [m above the tile's heightOrigin], row 0
     /// south. What is not finite or beyond 1e6 m is void. tile() keeps those it was made with.
@@ -82,7 +90,13 @@ public:
     /// sun (1 where the sun is off). Void posts: all 0.
     osg::Texture2D* shading() const { return _shading; }
 
+    /// RGBA16F, a texel per post, GlossPass::layers layers: light sent by gloss (ShadingTexture.h),
+    /// without that of the sun. Null where nothing is glossy or there is no light.
+    osg::ref_ptr<osg::Texture2DArray> glossLight() const;
+
     /// Read-back, all in tile order (row 0 south). Call after update().
+    /// Of glossLight(), layer after layer, four values per post.
+    std::vector<float> readGlossLight(osg::State& state) const;
     Raster<osg::Vec4f> readShading(osg::State& state) const;
     Raster<float>
     readSkyView(osg::State& state) const;             ///< NaN where void; precondition: a sky is on
@@ -106,6 +120,12 @@ private:
     bool skyNeeded() const { return _sky.skyEnabled; }
     bool sunNeeded() const { return needsSun(_sky); }
     bool bounceNeeded() const;
+    bool glossNeeded() const
+    {
+        return (_gloss.empty() ? _settings.gloss > 0.0 : _hasGloss) && (skyNeeded() || sunNeeded());
+    }
+    void followGloss();
+    void forgetGloss();
     bool horizonNeeded() const
     {
         return skyNeeded() || (bounceNeeded() && _settings.bounceMethod == BounceMethod::Slices);
@@ -117,6 +137,7 @@ private:
     Status runSky(osg::State& state);
     Status runSun(osg::State& state);
     Status runShade(osg::State& state);
+    Status runGloss(osg::State& state);
     Status runPyramid(osg::State& state);
     Status runBounce(osg::State& state);
 
@@ -144,6 +165,11 @@ private:
     Raster<Rgb> _albedo; ///< empty: the settings'
     bool _albedoIsBlack = false;
     osg::ref_ptr<osg::Texture2D> _albedoTexture;
+    Raster<std::array<float, 2>> _gloss; ///< empty: the settings'
+    bool _hasGloss = false;              ///< some of it is not 0
+    osg::ref_ptr<osg::Texture2D> _materialTexture;
+    osg::ref_ptr<osg::Texture2DArray> _glossLight;
+    osg::ref_ptr<GlossPass> _glossPass;
     osg::ref_ptr<osg::Texture2D> _nothing; ///< one texel, stands for the texture of an absent stage
     osg::ref_ptr<osg::Texture2DArray> _nothingLayered;
 };
