@@ -120,7 +120,7 @@ void main()
         float sine = sin(width * float(k));
         Angle elevation = elevationOfCode(texelFetch(horizon, ivec3(post, k), 0).x);
         Slope plane = -(normal.x * cosine + normal.y * sine) / normal.z;
-        Slope highest = max(max(tan(min(elevation, 1.57)), 0.0), plane);
+        Slope highest = max(tan(clamp(elevation, 0.0, 1.57)), plane);
         sky = addSlice(sky, visibleAbove(risingDirection(highest)), azimuthTerms(cosine, sine));
     }
     // What a function of azimuth is, times cos or sin, integrates to: the sum over azimuths, all but

@@ -108,7 +108,7 @@ protected:
 
 private:
     class Tiles;
-    void applyExposure();
+    void applyUniforms();
 
     SkyLight _sky;
     LightingSettings _settings;
@@ -117,7 +117,7 @@ private:
     unsigned _textureUnit = ShadingTexture::defaultUnit;
     std::unique_ptr<Tiles> _tiles;
     osg::ref_ptr<osgGA::GUIEventHandler> _keys;
-    osg::ref_ptr<osg::StateSet> _exposure;
+    osg::ref_ptr<osg::StateSet> _uniforms; ///< on all below
 };
 
 } // namespace osgTerrainLight
