@@ -59,7 +59,8 @@ public:
     void setTimeBudget(double milliseconds);
     double getTimeBudget() const;
 
-    /// Of the shading texture, 0 … 31. Tiles that are lit already keep theirs.
+    /// Of the shading texture, 0 … 31; not ShadingTexture::glossUnit where the ground is glossy.
+    /// Tiles that are lit already keep theirs.
     void setTextureUnit(unsigned unit) { _textureUnit = unit; }
     unsigned getTextureUnit() const { return _textureUnit; }
 

@@ -596,7 +596,10 @@ void TerrainLighting::setSkyLight(const SkyLight& sky)
 
 void TerrainLighting::setSettings(const LightingSettings& settings)
 {
-    const std::string problem = complaint(settings);
+    std::string problem = complaint(settings);
+    if (problem.empty() && settings.gloss > 0.0 && _textureUnit == ShadingTexture::glossUnit)
+        problem = "gloss needs texture unit " + std::to_string(_textureUnit) +
+                  ", which setTextureUnit() gave to the shading";
     if (!problem.empty())
     {
         warn("settings not set: " + problem);
