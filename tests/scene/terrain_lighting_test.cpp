@@ -236,10 +236,13 @@ TEST(TerrainLighting, AStillSceneDispatchesNothingAndAChangeOnlyWhatItReaches)
     picture.draw(3);
     auto counts = lighting->getDispatchCounts();
     using Counts = std::map<std::string, unsigned>;
-    EXPECT_EQ(
-        counts,
-        (Counts{
-            {"horizon", 1}, {"sky", 1}, {"sun", 1}, {"shade", 1}, {"pyramid", 0}, {"bounce", 0}}));
+    EXPECT_EQ(counts, (Counts{{"horizon", 1},
+                              {"sky", 1},
+                              {"sun", 1},
+                              {"shade", 1},
+                              {"gloss", 0},
+                              {"pyramid", 0},
+                              {"bounce", 0}}));
     picture.draw(20);
     EXPECT_EQ(lighting->getDispatchCounts(), counts);
 
