@@ -1,6 +1,7 @@
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include "gpu/Textures.h"
+#include "scene/ShadingBinding.h"
 #include "scene/TerrainModel.h"
 #include "scene/TerrainTileReader.h"
 #include "support/AnalyticTerrain.h"
@@ -218,6 +219,10 @@ TEST(TerrainLighting, DefaultProgramAddsWhatGlossSendsToTheViewer)
     }
     EXPECT_EQ(said.text(), "");
     EXPECT_EQ(takeGlErrors(), "");
+
+    const osg::ref_ptr<osg::Program> displaced = createDisplacedProgram(true, true);
+    displaced->apply(picture.state());
+    EXPECT_TRUE(displaced->getPCP(picture.state())->isLinked());
 
     // The shading's unit may not be the gloss's.
     lighting->setTextureUnit(ShadingTexture::glossUnit);
