@@ -81,6 +81,9 @@ std::string readerOptions(const CLI::App& app, const Options& options)
     add("--sun", "sun_elevation", text(options.sky.sunElevation));
     add("--azimuths", "azimuths", std::to_string(options.settings.azimuths));
     add("--quality", "quality", toString(options.settings.quality));
+    add("--bounces", "bounces", std::to_string(options.settings.bounces));
+    add("--gloss", "gloss", text(options.settings.gloss));
+    add("--gloss-exponent", "gloss_exponent", text(options.settings.glossExponent));
     add("--exposure", "exposure", text(options.settings.exposure));
     add("--light", "light", options.light);
     add("--key-light", "key_lights", textOf(options.sky.keyLights));
@@ -276,6 +279,7 @@ Mode addRender(CLI::App& tool)
     app->footer("Examples:\n"
                 "  terrainlight render dem.tif picture.png --sun 300,25\n"
                 "  terrainlight render dem.tif map.png --top --size 800,800\n"
+                "  terrainlight render dem.tif wet.png --sun 0,30 --gloss 0.3 --bounces 1\n"
                 "  terrainlight render map.earth near.png --camera 225,20,0.5 --exposure 0.5\n"
                 "  terrainlight render scene.osgt scene.png --size 640,480");
     const auto options = std::make_shared<Options>();
@@ -318,6 +322,16 @@ Mode addRender(CLI::App& tool)
         ->type_name("WHAT");
     addExposure(*app, options->settings);
     addSettings(*app, options->settings);
+    addNumbers(*app, "--bounces", "N", {"bounces"},
+               "Bounces of light from terrain to terrain, 0 ... 8; default 0",
+               [options](const auto& v) { options->settings.bounces = static_cast<int>(v[0]); });
+    addNumbers(*app, "--gloss", "V", {"gloss"},
+               "What the ground mirrors besides, 0 ... 1; default 0",
+               [options](const auto& v) { options->settings.gloss = v[0]; });
+    addNumbers(*app, "--gloss-exponent", "V", {"gloss-exponent"},
+               "How sharply it mirrors, 1 ... 64; default 8",
+               [options](const auto& v) { options->settings.glossExponent = v[0]; })
+        ->needs("--gloss");
     addCellSize(*app, [options](double size) { options->cellSize = size; });
     addLimitedNumbers(*app, "--frames", "N", {{"frames", 1.0, 100000.0, true}},
                       "Frames drawn at most while the picture still changes; default 100",

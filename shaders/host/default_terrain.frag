@@ -10,6 +10,10 @@ varying float hole; // > 0: the triangle has a void corner
 #endif
 
 vec4 terrainShading(vec2 coordinate);
+#ifdef GLOSS
+varying vec3 toViewer;
+vec3 terrainGloss(vec2 coordinate, vec3 toViewer);
+#endif
 
 // IEC 61966-2-1. 0 <= colour <= 1.
 vec3 linearOfSrgb(vec3 colour)
@@ -35,6 +39,9 @@ void main()
     vec4 colour = vec4(1.0);
     if (osgTerrainLight_hasColour)
         colour = texture2D(osgTerrainLight_colour, colourCoordinate);
-    vec3 light = terrainShading(shadingCoordinate).rgb * osgTerrainLight_exposure;
-    gl_FragColor = vec4(srgbOfLinear(linearOfSrgb(colour.rgb) * light), colour.a);
+    vec3 sent = linearOfSrgb(colour.rgb) * terrainShading(shadingCoordinate).rgb;
+#ifdef GLOSS
+    sent += terrainGloss(shadingCoordinate, normalize(toViewer));
+#endif
+    gl_FragColor = vec4(srgbOfLinear(sent * osgTerrainLight_exposure), colour.a);
 }

@@ -146,6 +146,49 @@ ShVector shTurn(ShVector sh, real cosine, real sine)
     return turned;
 }
 
+// The function with north and up exchanged, f(x, z, y).
+ShVector shExchangeNorthUp(ShVector sh)
+{
+    // sqrt(3) / 2, and sqrt of 6, 10 and 15 over 4
+    real r3 = real(0.86602540378443864676);
+    real r6 = real(0.61237243569579452455);
+    real r10 = real(0.79056941504209483300);
+    real r15 = real(0.96824583655185422130);
+    vec4 c0 = sh.c[0];
+    vec4 c1 = sh.c[1];
+    vec4 c2 = sh.c[2];
+    vec4 c3 = sh.c[3];
+    ShVector exchanged;
+    exchanged.c[0] = vec4(c0.x, c0.z, c0.y, c0.w);
+    exchanged.c[1] = vec4(c1.w, c1.y, real(-0.5) * c1.z - r3 * c2.x, c1.x);
+    exchanged.c[2] = vec4(real(0.5) * c2.x - r3 * c1.z, r6 * c3.z - r10 * c3.x, c2.z,
+                          -r6 * c3.x - r10 * c3.z);
+    exchanged.c[3] = vec4(-r10 * c2.y - r6 * c2.w, real(-0.25) * c3.y - r15 * c3.w,
+                          r6 * c2.y - r10 * c2.w, real(0.25) * c3.w - r15 * c3.y);
+    return exchanged;
+}
+
+// The function turned by 180 degrees about a unit vector, f(mirrored(d, normal)): the mirror direction is
+// linear in d, so light as the glossy surface of that normal receives it becomes light as it is sent.
+ShVector shHalfTurn(ShVector sh, vec3 normal)
+{
+    real square = normal.x * normal.x + normal.y * normal.y;
+    real level = sqrt(square);
+    real cosine = square > real(0.0) ? normal.x / level : real(1.0);
+    real sine = square > real(0.0) ? normal.y / level : real(0.0);
+    // Euler angles: azimuth, twice the zenith angle, 180 degrees - azimuth.
+    ShVector turned = shExchangeNorthUp(shTurn(sh, -cosine, sine));
+    turned = shTurn(turned, normal.z * normal.z - square, real(-2.0) * normal.z * level);
+    return shTurn(shExchangeNorthUp(turned), cosine, sine);
+}
+
+// Light that a glossy surface sends, as a function of the direction that it leaves in, from what it receives as
+// a function of the direction that it comes from: its Phong lobe about the mirror direction, times gloss.
+ShVector glossyExit(ShVector incident, vec3 normal, real gloss, real exponent)
+{
+    return shHalfTurn(shScaleBands(incident, phongEigenvalues(exponent) * gloss), normal);
+}
+
 // Normalised Legendre polynomials, orthonormal on -1 ... 1 (NS09, Eq. 9 and below).
 vec4 legendre(real z)
 {

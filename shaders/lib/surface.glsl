@@ -84,3 +84,9 @@ vec3 postNormal(sampler2D heights, ivec2 post, Length eastSpacing, Length northS
                        max(count, real(1.0)) * eastSpacing * northSpacing);
     return normalize(normal);
 }
+
+// The mirror direction of a unit direction about a unit normal, both away from the surface.
+vec3 mirrored(vec3 direction, vec3 normal)
+{
+    return normal * (real(2.0) * dot(normal, direction)) - direction;
+}

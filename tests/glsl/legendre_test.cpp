@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <functional>
+#include <limits>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -323,6 +325,50 @@ TYPED_TEST(LegendreFunctions, TurnedFunctionHasItsValuesAtTurnedDirections)
                             turned, glsl.shBasis(direction<TypeParam>(z, azimuth + turn)))),
                         expected, 16.0 * (basisBound<TypeParam> + 12.0 * roundoff<TypeParam>));
         }
+    }
+}
+
+// Expected: the library's functions at the directions themselves, with north and up exchanged or
+// mirrored about the normal.
+TYPED_TEST(LegendreFunctions, HalfTurnIsTheValueAtTheMirrorDirection)
+{
+    Glsl<TypeParam> glsl;
+    // Each of 16 products may be off by a few rounding errors of sums of terms up to 2.
+    const double bound = 100.0 * static_cast<double>(std::numeric_limits<TypeParam>::epsilon());
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    for (int i = 0; i < 400; ++i)
+    {
+        Sh sh;
+        for (double& c : sh)
+            c = uniform(random);
+        const auto function = fromArray<TypeParam>(sh);
+        const auto value =
+            [&](const typename Glsl<TypeParam>::ShVector& of, double z, double azimuth)
+        {
+            const Sh basis = expectedBasis(z, azimuth);
+            const Sh found = toArray<TypeParam>(of);
+            return std::inner_product(basis.begin(), basis.end(), found.begin(), 0.0);
+        };
+        const double z = uniform(random);
+        const double azimuth = pi * uniform(random);
+        const auto d = direction<double>(z, azimuth);
+        EXPECT_NEAR(value(glsl.shExchangeNorthUp(function), z, azimuth),
+                    value(function, d.y, std::atan2(d.z, d.x)), bound);
+
+        // Upright normals, exactly and nearly, are on every level post.
+        const double up = i % 4 == 0 ? 1.0 : i % 4 == 1 ? 1.0 - 1e-12 : std::abs(uniform(random));
+        const auto normal = direction<TypeParam>(up, 2.0 * uniform(random));
+        const glm::dvec3 n = glm::normalize(glm::dvec3(normal));
+        const glm::dvec3 mirror = 2.0 * glm::dot(n, glm::dvec3(d)) * n - glm::dvec3(d);
+        const auto turned = glsl.shHalfTurn(function, normal);
+        EXPECT_NEAR(
+            value(turned, z, azimuth),
+            value(function, std::clamp(mirror.z, -1.0, 1.0), std::atan2(mirror.y, mirror.x)), bound)
+            << up;
+        const auto ours = glsl.mirrored(direction<TypeParam>(z, azimuth), normal);
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(static_cast<double>(ours[c]), mirror[c], bound);
     }
 }
 

@@ -52,11 +52,120 @@ Vector3 around(const Vector3& axis, double alongAxis, double across, double angl
     return result;
 }
 
-/// Density cos θ / π about the normal.
-Vector3 cosineDirection(const Vector3& normal, const Place& place)
+/// The Phong lobe, or its lowest bands.
+class Lobe
 {
-    return around(normal, std::sqrt(1.0 - place[0]), std::sqrt(place[0]), 2.0 * pi * place[1]);
-}
+public:
+    explicit Lobe(const SceneDescription& scene) : _exponent(scene.glossExponent)
+    {
+        const double s = _exponent;
+        for (int l = 0; l < scene.glossBands; ++l)
+        {
+            // What a convolution with the lobe multiplies band l by: 2π ∫ lobe P_l.
+            const double factor = l == 0   ? 1.0
+                                  : l == 1 ? (s + 1.0) / (s + 2.0)
+                                           : _factors[static_cast<std::size_t>(l - 2)] *
+                                                 (s - l + 2.0) / (s + l + 1.0);
+            _factors.push_back(factor);
+        }
+    }
+
+    bool isExact() const { return _factors.empty(); }
+
+    /// What is sent; below 0 for some cosines where it is not exact.
+    double value(double cosine) const
+    {
+        double sum = 0.0;
+        for (std::size_t l = 0; l < _factors.size(); ++l)
+            sum += _factors[l] * (2.0 * double(l) + 1.0) / (4.0 * pi) *
+                   std::legendre(static_cast<unsigned>(l), std::clamp(cosine, -1.0, 1.0));
+        return isExact() ? density(cosine) : sum;
+    }
+
+    /// What directions are drawn with: the exact lobe.
+    double density(double cosine) const
+    {
+        return cosine > 0.0 ? (_exponent + 1.0) / (2.0 * pi) * std::pow(cosine, _exponent) : 0.0;
+    }
+    Vector3 direction(const Vector3& axis, const Place& place) const
+    {
+        const double cosine = std::pow(1.0 - place[0], 1.0 / (_exponent + 1.0));
+        return around(axis, cosine, std::sqrt(std::max(0.0, 1.0 - cosine * cosine)),
+                      2.0 * pi * place[1]);
+    }
+
+private:
+    double _exponent;
+    std::vector<double> _factors;
+};
+
+/// How a place on a path sends on what it receives: albedo · cosine / π + gloss · lobe.
+class Reflection
+{
+public:
+    /// towards: where the light goes; of no meaning where gloss is 0.
+    Reflection(const Lobe& lobe, const Vector3& normal, const Vector3& towards,
+               const LinearRgb& albedo, double gloss)
+        : _lobe(&lobe), _normal(normal), _albedo(albedo), _gloss(gloss)
+    {
+        const double along = dot(normal, towards);
+        for (std::size_t k = 0; k < 3; ++k)
+            _mirror[k] = 2.0 * along * normal[k] - towards[k];
+        const double diffuse = *std::max_element(albedo.begin(), albedo.end());
+        // Bands that are left out leave some lobe everywhere: uniform directions find it.
+        const double even = lobe.isExact() ? 0.0 : gloss;
+        const double sum = diffuse + gloss + even;
+        _lobeShare = gloss > 0.0 ? gloss / sum : 0.0;
+        _evenShare = gloss > 0.0 ? even / sum : 0.0;
+    }
+
+    double cosine(const Vector3& direction) const { return dot(_normal, direction); }
+
+    LinearRgb value(const Vector3& direction) const
+    {
+        const double received = cosine(direction);
+        LinearRgb result = {};
+        if (received <= 0.0)
+            return result;
+        const double mirrored = _gloss > 0.0 ? _gloss * _lobe->value(dot(_mirror, direction)) : 0.0;
+        for (std::size_t k = 0; k < 3; ++k)
+            result[k] = _albedo[k] * received / pi + mirrored;
+        return result;
+    }
+
+    double density(const Vector3& direction) const
+    {
+        const double received = std::max(0.0, cosine(direction));
+        double result = (1.0 - _lobeShare - _evenShare) * received / pi;
+        if (_lobeShare > 0.0)
+            result += _lobeShare * _lobe->density(dot(_mirror, direction));
+        if (_evenShare > 0.0 && received > 0.0)
+            result += _evenShare / (2.0 * pi);
+        return result;
+    }
+
+    /// May lie below the surface, where nothing comes from.
+    Vector3 direction(Place place) const
+    {
+        if (place[0] < _lobeShare)
+            return _lobe->direction(_mirror, {place[0] / _lobeShare, place[1]});
+        place[0] -= _lobeShare;
+        if (place[0] < _evenShare)
+        {
+            const double up = place[0] / _evenShare;
+            return around(_normal, up, std::sqrt(1.0 - up * up), 2.0 * pi * place[1]);
+        }
+        const double u = (place[0] - _evenShare) / (1.0 - _lobeShare - _evenShare);
+        return around(_normal, std::sqrt(std::max(0.0, 1.0 - u)), std::sqrt(u),
+                      2.0 * pi * place[1]);
+    }
+
+private:
+    const Lobe* _lobe;
+    Vector3 _normal, _mirror = {};
+    LinearRgb _albedo;
+    double _gloss, _lobeShare = 0.0, _evenShare = 0.0;
+};
 
 /// The sun's disc, uniform in radiance.
 class SunDisc
@@ -154,6 +263,11 @@ double powerWeight(double own, double other)
     return own * own / (own * own + other * other);
 }
 
+LinearRgb product(const LinearRgb& a, const LinearRgb& b)
+{
+    return {a[0] * b[0], a[1] * b[1], a[2] * b[2]};
+}
+
 /// Sums over the paths of a batch, and from the batches' means the estimates.
 class Statistics
 {
@@ -234,7 +348,7 @@ public:
     Worker(const RayScene& scene, const Illumination& illumination, const ImportanceTable* table,
            const PathTracerOptions& options, int samplesPerBatch)
         : _scene(scene), _illumination(illumination), _table(table), _options(options),
-          _sun(illumination.light), _random(samplesPerBatch),
+          _sun(illumination.light), _lobe(scene.description()), _random(samplesPerBatch),
           _lowestSine(illumination.extent == SkyExtent::AboveHorizontal ? 0.0 : -1.0)
     {
         for (std::size_t k = 0; k < 3; ++k)
@@ -243,8 +357,13 @@ public:
     }
 
     /// Nothing where a radiance was not finite.
-    std::optional<ReceivedLight> receive(const SurfacePoint& receiver, std::size_t index)
+    /// towards: as Receiver's.
+    std::optional<ReceivedLight> receive(const SurfacePoint& receiver,
+                                         const std::optional<Vector3>& towards, std::size_t index)
     {
+        const Reflection response =
+            towards ? Reflection(_lobe, receiver.normal, *towards, {0.0, 0.0, 0.0}, 1.0)
+                    : Reflection(_lobe, receiver.normal, {}, {1.0, 1.0, 1.0}, 0.0);
         Statistics statistics(_options.bounces);
         _rays = 0;
         const std::uint64_t stream = mixed(mixed(_options.seed) + index);
@@ -252,7 +371,7 @@ public:
         {
             _random.start(mixed(stream + static_cast<std::uint64_t>(batch)));
             for (int i = 0; i < _random.count(); ++i)
-                followPath(receiver, i, statistics);
+                followPath(receiver, response, i, statistics);
             statistics.endBatch(_random.count());
         }
         if (!statistics.isFinite())
@@ -279,9 +398,11 @@ private:
         return _illumination.environment ? _illumination.environment(direction) : _uniform;
     }
 
-    void followPath(const SurfacePoint& receiver, int sample, Statistics& statistics)
+    void followPath(const SurfacePoint& receiver, const Reflection& response, int sample,
+                    Statistics& statistics)
     {
         SurfacePoint place = receiver;
+        Reflection reflection = response;
         LinearRgb throughput = {1.0, 1.0, 1.0};
         for (int order = 0; order <= _options.bounces; ++order)
         {
@@ -292,21 +413,28 @@ private:
             const auto random = [&](int use) { return _random.point(3 * order + use, sample); };
 
             if (_illumination.light.sunEnabled)
-                addSun(place, random(1), order, throughput, quantity(Statistics::Sun), statistics);
+                addSun(place, reflection, random(1), order, throughput, quantity(Statistics::Sun),
+                       statistics);
             if (_table)
             {
                 const Vector3 direction = _table->direction(random(2));
-                const double cosine = dot(place.normal, direction) / pi;
-                if (cosine > 0.0 && !isOccluded(place, direction))
+                if (reflection.cosine(direction) > 0.0 && !isOccluded(place, direction))
                 {
                     const double density = _table->density(direction);
                     statistics.add(quantity(Statistics::Sky),
-                                   cosine / density * powerWeight(density, cosine), throughput,
+                                   powerWeight(density, reflection.density(direction)) / density,
+                                   product(throughput, reflection.value(direction)),
                                    skyRadiance(direction));
                 }
             }
 
-            const Vector3 direction = cosineDirection(place.normal, random(0));
+            const Vector3 direction = reflection.direction(random(0));
+            const double density = reflection.density(direction);
+            if (!(reflection.cosine(direction) > 0.0 && density > 0.0))
+                return;
+            const LinearRgb value = reflection.value(direction);
+            for (std::size_t k = 0; k < 3; ++k)
+                throughput[k] *= value[k] / density;
             const bool last = order == _options.bounces;
             std::optional<SurfacePoint> hit;
             bool occluded = false;
@@ -320,9 +448,8 @@ private:
             }
             if (!occluded)
             {
-                const double cosine = dot(place.normal, direction) / pi;
                 const double weight =
-                    _table ? powerWeight(cosine, _table->density(direction)) : 1.0;
+                    _table ? powerWeight(density, _table->density(direction)) : 1.0;
                 statistics.add(quantity(Statistics::Sky), weight, throughput,
                                skyRadiance(direction));
                 return;
@@ -330,21 +457,22 @@ private:
             if (last && !hit)
                 return;
             statistics.add(quantity(Statistics::Emitters), 1.0, throughput, hit->emission);
-            if (!hit->above)
-                return;
-            for (std::size_t k = 0; k < 3; ++k)
-                throughput[k] *= hit->albedo[k];
-            if (throughput == LinearRgb{})
+            const double gloss = hit->triangle < 0 ? _scene.description().gloss : 0.0;
+            if (!hit->above || (hit->albedo == LinearRgb{} && gloss == 0.0))
                 return;
             place = *hit;
+            reflection =
+                Reflection(_lobe, place.normal, {-direction[0], -direction[1], -direction[2]},
+                           place.albedo, gloss);
         }
     }
 
-    void addSun(const SurfacePoint& place, const Place& random, int order,
-                const LinearRgb& throughput, std::size_t quantity, Statistics& statistics)
+    void addSun(const SurfacePoint& place, const Reflection& reflection, const Place& random,
+                int order, const LinearRgb& throughput, std::size_t quantity,
+                Statistics& statistics)
     {
         const Vector3 direction = _sun.direction(random);
-        const double cosine = dot(place.normal, direction);
+        const double cosine = reflection.cosine(direction);
         // The receiver's visible fraction counts the disc whatever way the surface faces.
         if (direction[2] < _lowestSine || (cosine <= 0.0 && order > 0) ||
             isOccluded(place, direction))
@@ -352,7 +480,8 @@ private:
         if (order == 0)
             statistics.add(Statistics::SunVisible, 1.0, throughput, {1.0, 1.0, 1.0});
         if (cosine > 0.0)
-            statistics.add(quantity, cosine / pi * _sun.solidAngle(), throughput, _sun.radiance());
+            statistics.add(quantity, _sun.solidAngle(),
+                           product(throughput, reflection.value(direction)), _sun.radiance());
     }
 
     bool isOccluded(const SurfacePoint& place, const Vector3& direction)
@@ -366,6 +495,7 @@ private:
     const ImportanceTable* _table;
     const PathTracerOptions& _options;
     SunDisc _sun;
+    Lobe _lobe;
     LatinSupercube _random;
     double _lowestSine;
     LinearRgb _uniform = {};
@@ -454,6 +584,8 @@ Result<std::vector<ReceivedLight>> PathTracer::trace(const Illumination& illumin
     for (const Receiver& r : receivers)
     {
         const std::string name = "receiver " + std::to_string(points.size());
+        if (r.towards && !(std::abs(dot(*r.towards, *r.towards) - 1.0) < 1e-9))
+            return invalid(name + " sends light towards a direction that is not of length 1");
         if (r.triangle >= 0)
         {
             if (static_cast<std::size_t>(r.triangle) >= triangles)
@@ -494,7 +626,7 @@ Result<std::vector<ReceivedLight>> PathTracer::trace(const Illumination& illumin
         Worker worker(*_scene, illumination, table ? &*table : nullptr, options, samplesPerBatch);
         for (std::size_t i = next++; i < points.size(); i = next++)
         {
-            if (auto light = worker.receive(points[i], i))
+            if (auto light = worker.receive(points[i], receivers[i].towards, i))
                 received[i] = std::move(*light);
             else
                 finite = false;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 namespace osgTerrainLight::reference
@@ -43,6 +44,9 @@ struct Receiver
     int triangle = -1;
     double s = 1.0 / 3.0;
     double t = 1.0 / 3.0;
+    /// Where given, a unit direction: what is received is weighed by the scene's glossy lobe about
+    /// its mirror direction, instead of by the cosine over π. Times gloss it is what is sent there.
+    std::optional<Vector3> towards = std::nullopt;
 };
 
 struct PathTracerOptions
@@ -89,12 +93,13 @@ struct ReceivedLight
 /// The oracle for light: a path tracer over the bilinear surface and triangles, unbiased but for
 /// rounding, and with the error it has.
 ///
-/// Surfaces are diffuse (Lambert). Receivers at posts have the normal of surfaceNormal(), as the
-/// library's have; where light bounces it is the surface's own. Beyond the data the horizon is
-/// open. From each place on a path goes one ray by the cosine's density, which meets the sky, an
-/// emitter or the next place; one towards a point of the sun's disc, uniform in solid angle; and
-/// one by the importance table, where there is one (Veach and Guibas, SIGGRAPH 1995, for the two
-/// sky estimates). There is no Russian roulette. Random numbers: LatinSupercube.
+/// Surfaces are diffuse (Lambert), the ground may be glossy besides. Receivers at posts have the
+/// normal of surfaceNormal(), as the library's have; where light bounces it is the surface's own.
+/// Beyond the data the horizon is open. From each place on a path goes one ray by the cosine's
+/// density, or that of cosine and lobe together, which meets the sky, an emitter or the next place;
+/// one towards a point of the sun's disc, uniform in solid angle; and one by the importance table,
+/// where there is one (Veach and Guibas, SIGGRAPH 1995, for the two sky estimates). There is no
+/// Russian roulette. Random numbers: LatinSupercube.
 class PathTracer
 {
 public:

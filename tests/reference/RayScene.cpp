@@ -506,6 +506,12 @@ Result<std::unique_ptr<RayScene>> RayScene::build(SceneDescription description)
                          "path tracer: east spacings differ from row to row; give the tile one"};
     if (!isWithin(description.albedo, 0.0, 1.0))
         return invalid("the albedo is not within 0 … 1");
+    if (!(description.gloss >= 0.0 && description.gloss <= 1.0))
+        return invalid("the gloss is not within 0 … 1");
+    if (!(description.glossExponent >= 1.0 && description.glossExponent <= 1000.0))
+        return invalid("the gloss's exponent is not within 1 … 1000");
+    if (description.glossBands < 0 || description.glossBands > 16)
+        return invalid("the gloss's bands are not within 0 … 16");
     const Raster<Rgb>& albedos = description.albedos;
     if (!albedos.empty())
     {

@@ -38,6 +38,14 @@ struct SceneDescription
     Rgb albedo = {0.0f, 0.0f, 0.0f};
     /// … or, where not empty, one per post, bilinear between them; those of void posts are ignored.
     Raster<Rgb> albedos;
+    /// Of the ground besides: radiance sent towards o is albedo · E/π + gloss · ∫ lobe(r·d) L(d) dd
+    /// over the d above the surface, with the Phong lobe (s + 1) / 2π max(cos, 0)ˢ about r =
+    /// 2(N·o)N − o.
+    double gloss = 0.0;         ///< 0 … 1
+    double glossExponent = 8.0; ///< s, 1 … 1000
+    /// Where not 0, only as many bands l = 0, 1, … of the lobe are left, 1 … 16: light as spherical
+    /// harmonics of that order would have it.
+    int glossBands = 0;
     std::vector<Triangle> triangles;
 };
 

@@ -711,6 +711,156 @@ TEST(PathTracerBounces, BowlOfCells)
     }
 }
 
+namespace
+{
+PathTracer glossyTracer(DemTile tile, double exponent, int bands = 0, double gloss = 1.0,
+                        float albedo = 0.0f)
+{
+    SceneDescription scene;
+    scene.tile = std::move(tile);
+    scene.albedo = {albedo, albedo, albedo};
+    scene.gloss = gloss;
+    scene.glossExponent = exponent;
+    scene.glossBands = bands;
+    return std::move(PathTracer::build(std::move(scene)).value());
+}
+
+Receiver towards(int column, int row, const Vector3& direction)
+{
+    Receiver receiver = post(column, row);
+    receiver.towards = direction;
+    return receiver;
+}
+} // namespace
+
+TEST(PathTracerGloss, PlaneUnderAUniformSky)
+{
+    // Towards the zenith all of the lobe is above the plane, and it integrates to 1. With exponent
+    // 1 it is the cosine over π, and a plane at an angle sees (1 + cos) / 2 of it.
+    const DemTile plane = analytic::plane(3, 3, 10.0, 0.0);
+    for (double exponent : {1.0, 8.0, 64.0})
+        expectWithin3Sigma(traceOne(glossyTracer(plane, exponent), uniformSky(),
+                                    towards(1, 1, {0.0, 0.0, 1.0}), options(1024))
+                               .sky,
+                           1.0);
+    for (double angle : {0.3, 0.8, 1.3})
+        expectWithin3Sigma(traceOne(glossyTracer(plane, 1.0), uniformSky(),
+                                    towards(1, 1, {0.0, std::sin(angle), std::cos(angle)}),
+                                    options(65536))
+                               .sky,
+                           0.5 + 0.5 * std::cos(angle));
+}
+
+TEST(PathTracerGloss, BandsOfTheLobeAreThatManyOfTheHarmonics)
+{
+    // A hemisphere in Legendre polynomials: 1/2, 3/4 z, 0, -7/16 P3. Eigenvalues of the lobe of
+    // exponent 8: 1, 9/10, 8/11, 9/10 · 7/12.
+    const PathTracer tracer = glossyTracer(analytic::plane(3, 3, 10.0, 0.0), 8.0, 4);
+    for (double angle : {0.0, 0.5, 1.0, 1.4})
+    {
+        const double z = std::cos(angle);
+        const double expected =
+            0.5 + 0.75 * 0.9 * z - 7.0 / 16.0 * 0.9 * 7.0 / 12.0 * 0.5 * (5.0 * z * z - 3.0) * z;
+        expectWithin3Sigma(
+            traceOne(tracer, uniformSky(), towards(1, 1, {std::sin(angle), 0.0, z}), options(65536))
+                .sky,
+            expected);
+    }
+}
+
+TEST(PathTracerGloss, PlaneMirrorsTheSun)
+{
+    // The disc of 0.27° changes the lobe's value by less than (s r)² = 1e-3 of it.
+    const DemTile plane = analytic::plane(3, 3, 10.0, 0.0);
+    Illumination sun = sunAt(90.0, 40.0);
+    sun.light.sunIrradiance = {1.0f, 2.0f, 3.0f};
+    for (double elevation : {20.0, 40.0, 70.0})
+    {
+        const double e = elevation * pi / 180.0;
+        const ReceivedLight light =
+            traceOne(glossyTracer(plane, 8.0), sun, towards(1, 1, {-std::cos(e), 0.0, std::sin(e)}),
+                     options(1024));
+        const double lobe =
+            9.0 / (2.0 * pi) * std::pow(std::cos((elevation - 40.0) * pi / 180.0), 8.0);
+        for (std::size_t c = 0; c < 3; ++c)
+            expectWithin3Sigma(light.sun, (1.0 + static_cast<double>(c)) * lobe, 2e-3 * lobe * 3.0,
+                               c);
+    }
+}
+
+TEST(PathTracerGloss, FlankMirrorsTheSunOntoThePlain)
+{
+    // Level ground, and from column 60 on a flank of 45°, 60 high and 60 wide. Every place of the
+    // flank sends the same lobe, so the light of the first bounce is an integral over where the
+    // flank is seen: midpoints, good to some 1e-3 at its edges. Diffusely it sends E/π.
+    const DemTile tile =
+        analytic::makeTile(121, 121, 1.0, [](int x, int) { return std::max(0, x - 60); });
+    const Illumination sun = sunAt(270.0, 60.0);
+    const Vector3 normal = {-std::sqrt(0.5), 0.0, std::sqrt(0.5)};
+    const Vector3 toSun = {-std::cos(pi / 3.0), 0.0, std::sin(pi / 3.0)};
+    const double facing = toSun[0] * normal[0] + toSun[2] * normal[2];
+    const Vector3 mirror = {2.0 * facing * normal[0] - toSun[0], 0.0,
+                            2.0 * facing * normal[2] - toSun[2]};
+    const double irradiance = static_cast<double>(sun.light.sunIrradiance[0]);
+    constexpr double gloss = 0.4;
+    constexpr double exponent = 3.0;
+    double expected = 0.0;
+    double diffuse = 0.0;
+    constexpr int rows = 1000;
+    constexpr int columns = 2000;
+    for (int j = 0; j < rows; ++j)
+        for (int i = 0; i < columns; ++i)
+        {
+            const double z = (j + 0.5) / rows;
+            const double azimuth = pi * ((i + 0.5) / columns - 0.5);
+            const double level = std::sqrt(1.0 - z * z);
+            const Vector3 d = {level * std::cos(azimuth), level * std::sin(azimuth), z};
+            const double distance = 40.0 / (d[0] - d[2]); // from column 20 to z = x - 60
+            if (distance < 0.0 || distance * d[0] > 100.0 || std::abs(distance * d[1]) > 60.0)
+                continue;
+            const double cosine =
+                std::max(0.0, -(mirror[0] * d[0] + mirror[1] * d[1] + mirror[2] * d[2]));
+            const double share = z / pi * (1.0 / rows) * (pi / columns);
+            expected += share * gloss * irradiance * (exponent + 1.0) / (2.0 * pi) *
+                        std::pow(cosine, exponent);
+            diffuse += share * 0.5 * irradiance * facing / pi;
+        }
+    expectWithin3Sigma(
+        traceOne(glossyTracer(tile, exponent, 0, gloss), sun, post(20, 60), options(1 << 17, 1))
+            .bounces[0],
+        expected, 3e-3 * expected);
+    expectWithin3Sigma(traceOne(glossyTracer(tile, exponent, 0, gloss, 0.5f), sun, post(20, 60),
+                                options(1 << 17, 1))
+                           .bounces[0],
+                       expected + diffuse, 3e-3 * (expected + diffuse));
+}
+
+TEST(PathTracerGloss, ATableChangesNothing)
+{
+    // Two estimators of the same light share no densities at the receiver: where the one is wrong,
+    // they differ. Two bounces on mixed ground.
+    const DemTile tile = *generateTerrain(TerrainKind::Fractal, 32, 32, 30.0, 5);
+    Illumination illumination = uniformSky();
+    const auto radiance = [](const Vector3& d) {
+        return LinearRgb{1.0 + d[0], 1.0 - 0.5 * d[1], d[2]};
+    };
+    illumination.environment = radiance;
+    for (int bands : {0, 4})
+    {
+        const PathTracer tracer = glossyTracer(tile, 8.0, bands, 0.5, 0.4f);
+        const Receiver receiver = towards(16, 16, {0.6, 0.0, 0.8});
+        const ReceivedLight plain = traceOne(tracer, illumination, receiver, options(1 << 17, 2));
+        Illumination tabled = illumination;
+        tabled.importance = importanceOf(radiance, 16, 8);
+        const ReceivedLight other = traceOne(tracer, tabled, receiver, options(1 << 17, 2));
+        for (std::size_t c = 0; c < 3; ++c)
+            for (std::size_t k = 0; k < 2; ++k)
+                EXPECT_NEAR(plain.bounces[k].mean[c], other.bounces[k].mean[c],
+                            3.5 * std::hypot(plain.bounces[k].standardError[c],
+                                             other.bounces[k].standardError[c]));
+    }
+}
+
 TEST(PathTracerBounces, AlbedosAreBilinear)
 {
     // A small plate 1 m over ground of 10 km, in its shadowless sun from the zenith, receives from

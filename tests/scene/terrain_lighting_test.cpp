@@ -1,6 +1,7 @@
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include "gpu/Textures.h"
+#include "scene/ShadingBinding.h"
 #include "scene/TerrainModel.h"
 #include "scene/TerrainTileReader.h"
 #include "support/AnalyticTerrain.h"
@@ -172,6 +173,66 @@ TEST(TerrainLighting, DefaultProgramMultipliesExposesAndEncodes)
     EXPECT_EQ(takeGlErrors(), "");
 }
 
+// Expected: closed form of a plain. Of a sky of L the lobe of exponent 8 sends L (1/2 + 3/4 · 9/10
+// z - 7/16 · 21/40 P3(z)) through order 4; of a sun whose mirror direction is at an angle a, 9/2π
+// cos⁸ a.
+TEST(TerrainLighting, DefaultProgramAddsWhatGlossSendsToTheViewer)
+{
+    OTL_NEED_GL(context);
+    Said said;
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    SkyLight sky = whiteSky(0.1f);
+    sky.sunEnabled = true;
+    sky.sunAzimuth = 0.0;
+    sky.sunElevation = 50.0;
+    sky.sunIrradiance = {0.3f, 0.3f, 0.3f};
+    lighting->setSkyLight(sky);
+    lighting->addChild(createTerrain(analytic::plane(33, 33, 20.0, 0.0)));
+    ScenePicture picture(lighting, reach);
+    constexpr double pi = 3.14159265358979323846;
+    const auto expected = [&](double gloss, double elevation)
+    {
+        const double z = std::sin(elevation * pi / 180.0);
+        const double angle = (elevation - 50.0) * pi / 180.0;
+        const double linear =
+            0.1 + 0.3 * std::sin(50.0 * pi / 180.0) / pi +
+            gloss * (0.1 * (0.5 + 0.675 * z - 7.0 / 16.0 * 0.525 * 0.5 * (5.0 * z * z - 3.0) * z) +
+                     0.3 * 9.0 / (2.0 * pi) * std::pow(std::cos(angle), 8.0));
+        return 255.0 * (1.055 * std::pow(linear, 1.0 / 2.4) - 0.055);
+    };
+    for (double gloss : {0.0, 0.6, 0.0})
+    {
+        LightingSettings settings = lighting->getSettings();
+        settings.gloss = gloss;
+        lighting->setSettings(settings);
+        // From above, and from the south: the sun's mirror direction is 50 degrees high there.
+        for (double elevation : {90.0, 70.0, 50.0})
+        {
+            const double e = elevation * pi / 180.0;
+            picture.viewer().getCamera()->setViewMatrixAsLookAt(
+                osg::Vec3d(0.0, -std::cos(e), std::sin(e)) * 5.0e5, osg::Vec3d(),
+                osg::Vec3d(0.0, 1.0, 0.0));
+            picture.draw(2);
+            EXPECT_NEAR(picture.redAt(0, 0), expected(gloss, elevation), 1.5)
+                << gloss << " from " << elevation;
+        }
+    }
+    EXPECT_EQ(said.text(), "");
+    EXPECT_EQ(takeGlErrors(), "");
+
+    const osg::ref_ptr<osg::Program> displaced = createDisplacedProgram(true, true);
+    displaced->apply(picture.state());
+    EXPECT_TRUE(displaced->getPCP(picture.state())->isLinked());
+
+    // The shading's unit may not be the gloss's.
+    lighting->setTextureUnit(ShadingTexture::glossUnit);
+    LightingSettings settings = lighting->getSettings();
+    settings.gloss = 0.5;
+    lighting->setSettings(settings);
+    EXPECT_EQ(lighting->getSettings().gloss, 0.0);
+    EXPECT_EQ(said.count("gloss needs texture unit 5"), 1);
+}
+
 TEST(TerrainLighting, AStillSceneDispatchesNothingAndAChangeOnlyWhatItReaches)
 {
     OTL_NEED_GL(context);
@@ -186,6 +247,7 @@ TEST(TerrainLighting, AStillSceneDispatchesNothingAndAChangeOnlyWhatItReaches)
                               {"sun", 1},
                               {"key", 0},
                               {"shade", 1},
+                              {"gloss", 0},
                               {"pyramid", 0},
                               {"bounce", 0}}));
     picture.draw(20);
@@ -512,9 +574,13 @@ TEST(TerrainLighting, GoesThroughAFileAndBack)
     settings.quality = HorizonQuality::Best;
     settings.exposure = -1.5;
     settings.bounceInterval = 7;
+    settings.gloss = 0.25;
+    settings.glossExponent = 12.0;
+    settings.glossTransfer = GlossTransfer::Scalar;
+    settings.glossViewer = {0.0, 1.0, 2.0};
     lighting->setSettings(settings);
     lighting->setLightEnabled(false);
-    lighting->setTextureUnit(5);
+    lighting->setTextureUnit(4);
     lighting->setKeysEnabled(true);
     lighting->addChild(createTerrain(coneTile()));
     for (const char* extension : {"osgt", "osgb", "osgx"})
@@ -542,7 +608,11 @@ TEST(TerrainLighting, GoesThroughAFileAndBack)
         EXPECT_EQ(read->getSettings().exposure, -1.5);
         EXPECT_FALSE(read->getLightEnabled());
         EXPECT_EQ(read->getTimeBudget(), 0.0);
-        EXPECT_EQ(read->getTextureUnit(), 5u);
+        EXPECT_EQ(read->getTextureUnit(), 4u);
+        EXPECT_EQ(read->getSettings().gloss, 0.25);
+        EXPECT_EQ(read->getSettings().glossExponent, 12.0);
+        EXPECT_EQ(read->getSettings().glossTransfer, GlossTransfer::Scalar);
+        EXPECT_EQ(read->getSettings().glossViewer, settings.glossViewer);
         EXPECT_TRUE(read->getKeysEnabled());
         EXPECT_EQ(read->getNumChildren(), 1u);
     }

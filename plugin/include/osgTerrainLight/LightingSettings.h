@@ -39,6 +39,14 @@ OSGTERRAINLIGHT_EXPORT const char* toString(BounceMethod method);
 /// False where the text is none of slices, legendre, legendre-bspline; method is then unchanged.
 OSGTERRAINLIGHT_EXPORT bool fromString(const std::string& text, BounceMethod& method);
 
+/// How glossy light gets from terrain to terrain (Nowrouzezahrai and Snyder 2009, section 5.3);
+/// docs/ARCHITECTURE.md compares the two.
+enum class GlossTransfer
+{
+    Vector, ///< as a function of direction, within spherical harmonics of order 4
+    Scalar  ///< what one viewer would see of it: less work, and right for that direction alone
+};
+
 /// Every parameter of the lighting computation that is not the light itself: plain data.
 struct OSGTERRAINLIGHT_EXPORT LightingSettings
 {
@@ -60,6 +68,15 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
     /// What the ground reflects of the light it receives, 0 … 1 per channel, where a tile has no
     /// albedo of its own.
     std::array<float, 3> albedo = {0.5f, 0.5f, 0.5f};
+    /// What the ground mirrors, 0 … 1: it sends towards a viewer gloss · ∫ lobe · light besides
+    /// albedo · irradiance / π, with the Phong lobe (s + 1) / 2π cosˢ about the mirror direction, s
+    /// = glossExponent, 1 … 64. 0: nothing is computed and nothing kept for it. Bounces: by slices
+    /// alone (docs/ARCHITECTURE.md has memory and errors).
+    double gloss = 0.0;
+    double glossExponent = 8.0;
+    GlossTransfer glossTransfer = GlossTransfer::Vector;
+    /// Direction of the viewer for GlossTransfer::Scalar: east, north, up, any length but 0.
+    std::array<double, 3> glossViewer = {0.0, 0.0, 1.0};
     /// Multiplies the colour before it is encoded to sRGB, in the default program and in PNG
     /// output: 2^exposure. Stops, −20 … 20.
     double exposure = 0.0;
@@ -105,7 +122,8 @@ struct OSGTERRAINLIGHT_EXPORT ParameterRange
     double maximum = 0.0;
     std::string meaning;
 
-    /// Names accepted: azimuths, bounces, subsampling, bounce-interval, albedo,
+    /// Names accepted: azimuths, bounces, subsampling, bounce-interval, albedo, gloss,
+    /// gloss-exponent,
     /// exposure, sun-azimuth, sun-elevation, sun-radius, sun-irradiance,
     /// max-error, max-ms, sky-radiance. Null where there is no such parameter.
     static const ParameterRange* find(const std::string& name);

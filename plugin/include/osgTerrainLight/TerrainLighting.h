@@ -59,7 +59,8 @@ public:
     void setTimeBudget(double milliseconds);
     double getTimeBudget() const;
 
-    /// Of the shading texture, 0 … 31. Tiles that are lit already keep theirs.
+    /// Of the shading texture, 0 … 31; not ShadingTexture::glossUnit where the ground is glossy.
+    /// Tiles that are lit already keep theirs.
     void setTextureUnit(unsigned unit) { _textureUnit = unit; }
     unsigned getTextureUnit() const { return _textureUnit; }
 
@@ -108,7 +109,7 @@ protected:
 
 private:
     class Tiles;
-    void applyExposure();
+    void applyUniforms();
 
     SkyLight _sky;
     LightingSettings _settings;
@@ -117,7 +118,7 @@ private:
     unsigned _textureUnit = ShadingTexture::defaultUnit;
     std::unique_ptr<Tiles> _tiles;
     osg::ref_ptr<osgGA::GUIEventHandler> _keys;
-    osg::ref_ptr<osg::StateSet> _exposure;
+    osg::ref_ptr<osg::StateSet> _uniforms; ///< on all below
 };
 
 } // namespace osgTerrainLight

@@ -66,6 +66,8 @@ const std::vector<ParameterRange>& ParameterRange::all()
         {"bounce-interval", "", 1, 16,
          "updates of light alone from one with new bounces to the next"},
         {"albedo", "", 0, 1, "part of the light that the ground reflects, per channel"},
+        {"gloss", "", 0, 1, "part of the light that the ground mirrors"},
+        {"gloss-exponent", "", 1, 64, "how sharply it mirrors: exponent of the Phong lobe"},
         {"exposure", "stops", -20, 20, "brightness of the displayed picture"},
         {"sun-azimuth", "degrees", -360, 720, "clockwise from north"},
         {"sun-elevation", "degrees", -90, 90, "above the horizontal"},

@@ -2,6 +2,7 @@
 
 #include "gpu/GlConstants.h"
 
+#include <osg/GLExtensions>
 #include <osg/Image>
 
 #include <algorithm>
@@ -52,6 +53,21 @@ void prepare(osg::Texture& texture, const Format& format)
     texture.setWrap(osg::Texture::WRAP_T, osg::Texture::CLAMP_TO_EDGE);
     texture.setResizeNonPowerOfTwoHint(false);
 }
+
+/// Allocates an array without content. Left to itself, OSG takes a released array of the same kind
+/// and asks for immutable storage a second time, which OpenGL refuses with an error.
+class LayeredAllocation : public osg::Texture2DArray::SubloadCallback
+{
+public:
+    void load(const osg::Texture2DArray& texture, osg::State& state) const override
+    {
+        state.get<osg::GLExtensions>()->glTexImage3D(
+            GL_TEXTURE_2D_ARRAY_EXT, 0, static_cast<GLenum>(texture.getInternalFormat()),
+            texture.getTextureWidth(), texture.getTextureHeight(), texture.getTextureDepth(), 0,
+            texture.getSourceFormat(), texture.getSourceType(), nullptr);
+    }
+    void subload(const osg::Texture2DArray&, osg::State&) const override {}
+};
 
 template <class T>
 std::vector<T> read(osg::State& state, osg::Texture& texture, GLenum format, GLenum type,
@@ -138,6 +154,7 @@ osg::ref_ptr<osg::Texture2DArray> createLayeredTarget(int width, int height, int
     osg::ref_ptr<osg::Texture2DArray> texture = new osg::Texture2DArray;
     prepare(*texture, formatOf(internalFormat));
     texture->setTextureSize(width, height, layers);
+    texture->setSubloadCallback(new LayeredAllocation);
     return texture;
 }
 

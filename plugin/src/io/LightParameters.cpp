@@ -80,6 +80,10 @@ Status setNumbers(LightParameters& parameters, const ParameterRange& range, cons
         parameters.settings.subsampling = static_cast<int>(value);
     else if (range.name == "bounce-interval")
         parameters.settings.bounceInterval = static_cast<int>(value);
+    else if (range.name == "gloss")
+        parameters.settings.gloss = value;
+    else if (range.name == "gloss-exponent")
+        parameters.settings.glossExponent = value;
     else if (range.name == "exposure")
         parameters.settings.exposure = value;
     else if (range.name == "sun-azimuth")
@@ -336,9 +340,15 @@ std::string complaint(const LightingSettings& settings)
                                       complaintOf("bounces", settings.bounces),
                                       complaintOf("subsampling", settings.subsampling),
                                       complaintOf("bounce-interval", settings.bounceInterval),
+                                      complaintOf("gloss", settings.gloss),
+                                      complaintOf("gloss-exponent", settings.glossExponent),
                                       complaintOf("exposure", settings.exposure)};
     for (const float channel : settings.albedo)
         found.push_back(complaintOf("albedo", static_cast<double>(channel)));
+    const auto& v = settings.glossViewer;
+    const double length = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    if (!(length > 0.0 && length < 1e30))
+        found.push_back("gloss viewer: needs a direction, not of length 0");
     for (const std::string& text : found)
         if (!text.empty())
             return text;

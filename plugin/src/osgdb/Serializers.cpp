@@ -144,6 +144,13 @@ static bool readSettings(osgDB::InputStream& is, osgTerrainLight::TerrainLightin
     is >> is.PROPERTY("Albedo");
     for (float& channel : settings.albedo)
         is >> channel;
+    bool scalar = false;
+    is >> is.PROPERTY("Gloss") >> settings.gloss >> settings.glossExponent;
+    is >> is.PROPERTY("GlossScalar") >> scalar;
+    for (double& part : settings.glossViewer)
+        is >> part;
+    if (scalar)
+        settings.glossTransfer = osgTerrainLight::GlossTransfer::Scalar;
     is >> is.END_BRACKET;
     if (!osgTerrainLight::fromString(quality, settings.quality))
         OSG_WARN << "osgTerrainLight: quality " << quality << " read from file: needs draft, "
@@ -166,6 +173,12 @@ static bool writeSettings(osgDB::OutputStream& os, const osgTerrainLight::Terrai
     os << os.PROPERTY("Albedo");
     for (const float channel : settings.albedo)
         os << channel;
+    os << std::endl;
+    os << os.PROPERTY("Gloss") << settings.gloss << settings.glossExponent << std::endl;
+    os << os.PROPERTY("GlossScalar")
+       << (settings.glossTransfer == osgTerrainLight::GlossTransfer::Scalar);
+    for (const double part : settings.glossViewer)
+        os << part;
     os << std::endl;
     os << os.END_BRACKET << std::endl;
     return true;

@@ -7,6 +7,7 @@ namespace osgTerrainLight
 
 DisplacedProgram::DisplacedProgram(const TileSet* tiles, const LitTile* tile)
     : _tiles(tiles), _tile(tile), _lit(tile ? createDisplacedProgram(true) : nullptr),
+      _glossy(tile ? createDisplacedProgram(true, true) : nullptr),
       _unlit(createDisplacedProgram(false))
 {
     setName((_lit ? _lit : _unlit)->getName());
@@ -14,8 +15,8 @@ DisplacedProgram::DisplacedProgram(const TileSet* tiles, const LitTile* tile)
 
 void DisplacedProgram::apply(osg::State& state) const
 {
-    const osg::Program& program =
-        _lit && _tiles->isLit(*_tile, state.getContextID()) ? *_lit : *_unlit;
+    const bool lit = _lit && _tiles->isLit(*_tile, state.getContextID());
+    const osg::Program& program = !lit ? *_unlit : _tiles->glossy ? *_glossy : *_lit;
     program.apply(state);
     if (_tiles && !program.getPCP(state)->isLinked())
         _tiles->programFailed(whyNotLinked(program, state));
@@ -37,7 +38,7 @@ void DisplacedProgram::compileGLObjects(osg::State& state) const
 void DisplacedProgram::releaseGLObjects(osg::State* state) const
 {
     osg::Program::releaseGLObjects(state);
-    for (const auto& program : {_lit, _unlit})
+    for (const auto& program : {_lit, _glossy, _unlit})
         if (program)
             program->releaseGLObjects(state);
 }
@@ -45,7 +46,7 @@ void DisplacedProgram::releaseGLObjects(osg::State* state) const
 void DisplacedProgram::resizeGLObjectBuffers(unsigned size)
 {
     osg::Program::resizeGLObjectBuffers(size);
-    for (const auto& program : {_lit, _unlit})
+    for (const auto& program : {_lit, _glossy, _unlit})
         if (program)
             program->resizeGLObjectBuffers(size);
 }

@@ -24,7 +24,8 @@ public:
 private:
     osg::ref_ptr<const TileSet> _tiles;
     osg::ref_ptr<const LitTile> _tile;
-    osg::ref_ptr<osg::Program> _lit; ///< null without a tile
+    osg::ref_ptr<osg::Program> _lit;    ///< null without a tile
+    osg::ref_ptr<osg::Program> _glossy; ///< likewise
     osg::ref_ptr<osg::Program> _unlit;
 };
 

@@ -33,6 +33,27 @@ osg::ref_ptr<osg::Shader> hostShader(osg::Shader::Type type, const std::string& 
     shader->setName("host/" + file);
     return shader;
 }
+
+osg::ref_ptr<osg::Shader> glossShader(osg::Shader::Type type, const std::string& version)
+{
+    std::string text = "#version " + version + "\n";
+    for (const char* file :
+         {"preamble.glsl", "lib/angle.glsl", "lib/legendre.glsl", "host/terrain_gloss.glsl"})
+    {
+        const Result<std::string> part = ShaderLibrary::instance().source(file);
+        assert(part.ok());
+        text += "#line 1\n" + (part ? *part : "");
+    }
+    osg::ref_ptr<osg::Shader> shader = new osg::Shader(type, text);
+    shader->setName("host/terrain_gloss.glsl");
+    return shader;
+}
+
+void addGloss(osg::Program& program, const std::string& version)
+{
+    program.addShader(hostShader(osg::Shader::VERTEX, "viewer_direction.vert", version));
+    program.addShader(glossShader(osg::Shader::FRAGMENT, version));
+}
 } // namespace
 
 osg::ref_ptr<osg::Shader> createShadingShader(osg::Shader::Type type, int version)
@@ -40,35 +61,48 @@ osg::ref_ptr<osg::Shader> createShadingShader(osg::Shader::Type type, int versio
     return hostShader(type, "terrain_shading.glsl", std::to_string(version));
 }
 
+osg::ref_ptr<osg::Shader> createGlossShader(osg::Shader::Type type, int version)
+{
+    return glossShader(type, std::to_string(version));
+}
+
 osg::ref_ptr<osg::Shader> createHeightShader(osg::Shader::Type type, int version)
 {
     return hostShader(type, "terrain_heights.glsl", std::to_string(version));
 }
 
-osg::ref_ptr<osg::Program> createDefaultProgram()
+osg::ref_ptr<osg::Program> createDefaultProgram(bool glossy)
 {
+    const std::string version = glossy ? "330 compatibility" : "120";
+    const std::string define = glossy ? "\n#define GLOSS" : "";
     osg::ref_ptr<osg::Program> program = new osg::Program;
-    program->setName("osgTerrainLight default terrain");
+    program->setName(glossy ? "osgTerrainLight default glossy terrain"
+                            : "osgTerrainLight default terrain");
     for (osg::Shader::Type type : {osg::Shader::VERTEX, osg::Shader::FRAGMENT})
-        program->addShader(createShadingShader(type));
-    program->addShader(hostShader(osg::Shader::VERTEX, "default_terrain.vert", "120"));
-    program->addShader(hostShader(osg::Shader::FRAGMENT, "default_terrain.frag", "120"));
+        program->addShader(hostShader(type, "terrain_shading.glsl", version));
+    program->addShader(hostShader(osg::Shader::VERTEX, "default_terrain.vert", version + define));
+    program->addShader(hostShader(osg::Shader::FRAGMENT, "default_terrain.frag", version + define));
+    if (glossy)
+        addGloss(*program, version);
     return program;
 }
 
-osg::ref_ptr<osg::Program> createDisplacedProgram(bool lit)
+osg::ref_ptr<osg::Program> createDisplacedProgram(bool lit, bool glossy)
 {
     const std::string version = "330 compatibility";
+    const std::string define = glossy ? "\n#define GLOSS" : "";
     osg::ref_ptr<osg::Program> program = new osg::Program;
     program->setName(lit ? "osgTerrainLight dynamic terrain" : "osgTerrainLight unlit terrain");
-    for (const char* file :
-         {"terrain_shading.glsl", "terrain_heights.glsl", "dynamic_terrain.vert"})
+    for (const char* file : {"terrain_shading.glsl", "terrain_heights.glsl"})
         program->addShader(hostShader(osg::Shader::VERTEX, file, version));
+    program->addShader(hostShader(osg::Shader::VERTEX, "dynamic_terrain.vert", version + define));
     if (lit)
     {
         program->addShader(hostShader(osg::Shader::FRAGMENT, "terrain_shading.glsl", version));
-        program->addShader(
-            hostShader(osg::Shader::FRAGMENT, "default_terrain.frag", version + "\n#define HOLES"));
+        program->addShader(hostShader(osg::Shader::FRAGMENT, "default_terrain.frag",
+                                      version + "\n#define HOLES" + define));
+        if (glossy)
+            addGloss(*program, version);
     }
     else
         program->addShader(hostShader(osg::Shader::FRAGMENT, "unlit_terrain.frag", version));
@@ -77,25 +111,26 @@ osg::ref_ptr<osg::Program> createDisplacedProgram(bool lit)
 
 ShadingBinding::ShadingBinding(osg::StateSet* stateSet, osg::Texture2D* shading, unsigned unit,
                                const ShadingCoordinates& coordinates, osg::Program* program)
-    : _stateSet(stateSet), _shading(shading), _program(program), _unit(unit),
-      _theirVariance(stateSet->getDataVariance())
+    : _stateSet(stateSet), _program(program), _theirVariance(stateSet->getDataVariance())
 {
     stateSet->setDataVariance(osg::Object::DYNAMIC);
-    _theirTextureUnits = stateSet->getTextureAttributeList().size();
-    _theirTextureModes = stateSet->getTextureModeList();
-    if (const auto* pair = stateSet->getTextureAttributePair(unit, osg::StateAttribute::TEXTURE))
-        _theirTexture = *pair;
     if (const auto* pair = stateSet->getAttributePair(osg::StateAttribute::PROGRAM))
         _theirProgram = *pair;
 
-    // No mode: fixed-function drawing must not see the texture.
-    stateSet->setTextureAttribute(unit, shading);
+    install(_shading, shading, unit);
     add(new osg::Uniform(ShadingTexture::sampler, static_cast<int>(unit)));
     add(new osg::Uniform(ShadingTexture::matrix,
                          osg::Matrixf(coordinates.toTile * texelCentres(*shading))));
     if (!program)
         return;
     stateSet->setAttribute(program);
+    const osg::Matrixd& f = coordinates.frame;
+    add(new osg::Uniform(ShadingTexture::frame,
+                         osg::Matrix3(static_cast<float>(f(0, 0)), static_cast<float>(f(0, 1)),
+                                      static_cast<float>(f(0, 2)), static_cast<float>(f(1, 0)),
+                                      static_cast<float>(f(1, 1)), static_cast<float>(f(1, 2)),
+                                      static_cast<float>(f(2, 0)), static_cast<float>(f(2, 1)),
+                                      static_cast<float>(f(2, 2)))));
     add(new osg::Uniform(fromVertexName, coordinates.source == ShadingCoordinates::Source::Vertex));
     add(new osg::Uniform(colourName, 0));
     _hasColour = new osg::Uniform(hasColourName, false);
@@ -109,6 +144,54 @@ void ShadingBinding::add(osg::Uniform* uniform)
         slot.theirs = *pair;
     _uniforms.push_back(slot);
     _stateSet->addUniform(uniform);
+}
+
+template <class T>
+void ShadingBinding::install(Bound<T>& bound, T* texture, unsigned unit)
+{
+    bound = {};
+    bound.texture = texture;
+    bound.unit = unit;
+    bound.theirUnits = _stateSet->getTextureAttributeList().size();
+    bound.theirModes = _stateSet->getTextureModeList();
+    if (const auto* pair = _stateSet->getTextureAttributePair(unit, osg::StateAttribute::TEXTURE))
+        bound.theirs = *pair;
+    // No mode: fixed-function drawing must not see the texture.
+    _stateSet->setTextureAttribute(unit, texture);
+}
+
+template <class T>
+void ShadingBinding::remove(Bound<T>& bound)
+{
+    osg::StateSet& stateSet = *_stateSet;
+    const unsigned unit = bound.unit;
+    if (bound.texture &&
+        stateSet.getTextureAttribute(unit, osg::StateAttribute::TEXTURE) == bound.texture)
+    {
+        stateSet.removeTextureAttribute(unit, osg::StateAttribute::TEXTURE);
+        if (bound.theirs.first)
+            stateSet.setTextureAttribute(unit, bound.theirs.first, bound.theirs.second);
+        // Taking the texture off also took modes off its unit; and the lists have grown.
+        auto& modes = stateSet.getTextureModeList();
+        if (unit < modes.size())
+            modes[unit] =
+                unit < bound.theirModes.size() ? bound.theirModes[unit] : osg::StateSet::ModeList();
+        while (modes.size() > bound.theirModes.size() && modes.back().empty())
+            modes.pop_back();
+        auto& attributes = stateSet.getTextureAttributeList();
+        while (attributes.size() > bound.theirUnits && attributes.back().empty())
+            attributes.pop_back();
+    }
+    bound = {};
+}
+
+void ShadingBinding::setGloss(osg::Texture2DArray* light)
+{
+    if (light == _gloss.texture)
+        return;
+    remove(_gloss);
+    if (light)
+        install(_gloss, light, ShadingTexture::glossUnit);
 }
 
 void ShadingBinding::setHasColour(bool hasColour)
@@ -136,22 +219,8 @@ ShadingBinding::~ShadingBinding()
         if (_theirProgram.first)
             stateSet.setAttribute(_theirProgram.first, _theirProgram.second);
     }
-    if (stateSet.getTextureAttribute(_unit, osg::StateAttribute::TEXTURE) == _shading)
-    {
-        stateSet.removeTextureAttribute(_unit, osg::StateAttribute::TEXTURE);
-        if (_theirTexture.first)
-            stateSet.setTextureAttribute(_unit, _theirTexture.first, _theirTexture.second);
-        // Taking the texture off also took modes off its unit; and the lists have grown.
-        auto& modes = stateSet.getTextureModeList();
-        if (_unit < modes.size())
-            modes[_unit] = _unit < _theirTextureModes.size() ? _theirTextureModes[_unit]
-                                                             : osg::StateSet::ModeList();
-        while (modes.size() > _theirTextureModes.size() && modes.back().empty())
-            modes.pop_back();
-        auto& attributes = stateSet.getTextureAttributeList();
-        while (attributes.size() > _theirTextureUnits && attributes.back().empty())
-            attributes.pop_back();
-    }
+    remove(_gloss); // in the reverse order: each restores the lists that it found
+    remove(_shading);
 }
 
 } // namespace osgTerrainLight

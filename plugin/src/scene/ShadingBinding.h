@@ -6,6 +6,7 @@
 #include <osg/Program>
 #include <osg/StateSet>
 #include <osg/Texture2D>
+#include <osg/Texture2DArray>
 
 #include <string>
 #include <vector>
@@ -32,16 +33,34 @@ public:
     /// What the StateSet was if the caller has made it DYNAMIC.
     void setTheirVariance(osg::Object::DataVariance variance) { _theirVariance = variance; }
 
+    /// Light sent by gloss, in unit ShadingTexture::glossUnit; null: none, and no unit.
+    void setGloss(osg::Texture2DArray* light);
+    osg::Texture2DArray* gloss() const { return _gloss.texture.get(); }
+
     /// Whether texture unit 0 holds the tile's colours. Effective with a program.
     void setHasColour(bool hasColour);
 
 private:
+    /// A texture of ours, and what the host had in its unit.
+    template <class T>
+    struct Bound
+    {
+        osg::ref_ptr<T> texture;
+        unsigned unit = 0;
+        osg::StateSet::RefAttributePair theirs;
+        osg::StateSet::TextureModeList theirModes;
+        std::size_t theirUnits = 0;
+    };
+    template <class T>
+    void install(Bound<T>& bound, T* texture, unsigned unit);
+    template <class T>
+    void remove(Bound<T>& bound);
     void add(osg::Uniform* uniform);
 
     osg::ref_ptr<osg::StateSet> _stateSet;
-    osg::ref_ptr<osg::Texture2D> _shading;
+    Bound<osg::Texture2D> _shading;
+    Bound<osg::Texture2DArray> _gloss;
     osg::ref_ptr<osg::Program> _program;
-    unsigned _unit;
     osg::Object::DataVariance _theirVariance;
 
     struct Slot
@@ -51,16 +70,15 @@ private:
         osg::StateSet::RefUniformPair theirs; ///< null where there was none
     };
     std::vector<Slot> _uniforms;
-    osg::StateSet::RefAttributePair _theirTexture, _theirProgram;
-    osg::StateSet::TextureModeList _theirTextureModes;
-    std::size_t _theirTextureUnits = 0;
+    osg::StateSet::RefAttributePair _theirProgram;
     osg::ref_ptr<osg::Uniform> _hasColour;
 };
 
-/// The program for stock osgTerrain tiles, from shaders/host.
-OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Program> createDefaultProgram();
+/// The program for stock osgTerrain tiles, from shaders/host. glossy: adds light sent by gloss.
+OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Program> createDefaultProgram(bool glossy = false);
 
 /// The same for DynamicTerrain, which it displaces; without light where !lit. Needs OpenGL 3.3.
-OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Program> createDisplacedProgram(bool lit);
+OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Program> createDisplacedProgram(bool lit,
+                                                                         bool glossy = false);
 
 } // namespace osgTerrainLight

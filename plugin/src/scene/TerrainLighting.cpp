@@ -192,7 +192,10 @@ public:
         followShaders();
         _owner.getBound();
         for (auto& [stateSet, lit] : _added)
+        {
             followHeights(lit);
+            followGloss(lit);
+        }
         for (const auto& [tile, entry] : _found)
             if (!(versionOf(*tile, entry.toScene) == entry.version))
                 structureChanged = true;
@@ -202,6 +205,7 @@ public:
         {
             if (entry.lit.binding)
                 entry.lit.binding->setHasColour(hasColour(*tile));
+            followGloss(entry.lit);
             if (entry.lit.tile && _owner._settings.bounces > 0)
                 followAlbedo(*tile, entry.lit);
             if (entry.lit.binding && entry.byTexCoord)
@@ -315,7 +319,7 @@ private:
         if (withProgram)
         {
             if (!set->program())
-                set->setProgram(createDefaultProgram());
+                set->setProgram(createDefaultProgram(set->glossy));
             program = new TileProgram(set, lit.tile);
         }
         bind(lit, stateSet, coordinates, program.get());
@@ -326,6 +330,22 @@ private:
     {
         lit.binding = std::make_shared<ShadingBinding>(stateSet, lit.tile->lighting().shading(),
                                                        _owner._textureUnit, coordinates, program);
+    }
+
+    /// Binds light sent by gloss where there is now some. Until it is computed the tile waits.
+    void followGloss(Lit& lit)
+    {
+        if (!lit.binding)
+            return;
+        const osg::ref_ptr<osg::Texture2DArray> light = lit.tile->lighting().glossLight();
+        if (light == lit.binding->gloss())
+            return;
+        lit.binding->setGloss(light);
+        if (light)
+        {
+            lit.tile->forget(~0u);
+            set->touch();
+        }
     }
 
     /// Hands on heights that have changed.
@@ -368,7 +388,7 @@ private:
             return;
         _shaders = shaders;
         if (set->program())
-            set->setProgram(createDefaultProgram());
+            set->setProgram(createDefaultProgram(set->glossy));
         forEach(
             [](LitTile& tile)
             {
@@ -525,6 +545,7 @@ private:
             addTileCoordinates(tile, found.parts);
             coordinates = ShadingCoordinates();
         }
+        coordinates->frame = tileFrame(tile, found.parts);
         // Other techniques move vertices in shaders of their own.
         const bool stock = dynamic_cast<const osgTerrain::GeometryTechnique*>(
                                tile.getTerrainTechnique()) != nullptr;
@@ -551,7 +572,7 @@ private:
 TerrainLighting::TerrainLighting() : _tiles(new Tiles(*this))
 {
     setNumChildrenRequiringUpdateTraversal(1);
-    applyExposure();
+    applyUniforms();
 }
 
 TerrainLighting::TerrainLighting(const TerrainLighting& other, const osg::CopyOp& copyop)
@@ -560,7 +581,8 @@ TerrainLighting::TerrainLighting(const TerrainLighting& other, const osg::CopyOp
       _tiles(new Tiles(*this))
 {
     setNumChildrenRequiringUpdateTraversal(getNumChildrenRequiringUpdateTraversal() + 1);
-    applyExposure();
+    applyUniforms();
+    _tiles->set->glossy = _settings.gloss > 0.0;
     setLightEnabled(other._lightEnabled);
     setTimeBudget(other.getTimeBudget());
     setKeysEnabled(other.getKeysEnabled());
@@ -576,22 +598,33 @@ void TerrainLighting::setSkyLight(const SkyLight& sky)
     if (!problem.empty() || same(sky, _sky))
         return;
     _sky = sky;
+    applyUniforms();
     _tiles->forEach([&](LitTile& tile) { tile.lighting().setSky(sky); });
     _tiles->set->touch();
 }
 
 void TerrainLighting::setSettings(const LightingSettings& settings)
 {
-    const std::string problem = complaint(settings);
+    std::string problem = complaint(settings);
+    if (problem.empty() && settings.gloss > 0.0 && _textureUnit == ShadingTexture::glossUnit)
+        problem = "gloss needs texture unit " + std::to_string(_textureUnit) +
+                  ", which setTextureUnit() gave to the shading";
     if (!problem.empty())
     {
         warn("settings not set: " + problem);
         return;
     }
     const bool brightness = settings.exposure != _settings.exposure;
+    const bool glossy = settings.gloss > 0.0;
     _settings = settings;
     if (brightness)
-        applyExposure();
+        applyUniforms();
+    if (glossy != _tiles->set->glossy)
+    {
+        _tiles->set->glossy = glossy;
+        if (_tiles->set->program())
+            _tiles->set->setProgram(createDefaultProgram(glossy));
+    }
     _tiles->forEach(
         [&](LitTile& tile)
         {
@@ -601,12 +634,24 @@ void TerrainLighting::setSettings(const LightingSettings& settings)
     _tiles->set->touch();
 }
 
-void TerrainLighting::applyExposure()
+void TerrainLighting::applyUniforms()
 {
     // A new one each time: threads that draw the frame before still read the old one.
-    _exposure = new osg::StateSet;
-    _exposure->addUniform(new osg::Uniform(ShadingTexture::exposure,
+    _uniforms = new osg::StateSet;
+    _uniforms->addUniform(new osg::Uniform(ShadingTexture::exposure,
                                            static_cast<float>(std::exp2(_settings.exposure))));
+    const std::array<double, 3> sun = _sky.sunDirection();
+    const bool hasSun = TileLighting::needsSun(_sky);
+    _uniforms->addUniform(
+        new osg::Uniform(ShadingTexture::sunDirection,
+                         osg::Vec3f(static_cast<float>(sun[0]), static_cast<float>(sun[1]),
+                                    static_cast<float>(sun[2]))));
+    _uniforms->addUniform(new osg::Uniform(
+        ShadingTexture::sunIrradiance,
+        hasSun ? osg::Vec3f(_sky.sunIrradiance[0], _sky.sunIrradiance[1], _sky.sunIrradiance[2])
+               : osg::Vec3f()));
+    _uniforms->addUniform(new osg::Uniform(ShadingTexture::glossSampler,
+                                           static_cast<int>(ShadingTexture::glossUnit)));
 }
 
 void TerrainLighting::setLightEnabled(bool enabled)
@@ -704,7 +749,7 @@ void TerrainLighting::traverse(osg::NodeVisitor& visitor)
         const osg::State* state = cull->getState();
         if (!state || !_tiles->set->isDone(state->getContextID()))
             _tiles->camera->accept(visitor);
-        cull->pushStateSet(_exposure);
+        cull->pushStateSet(_uniforms);
         osg::Group::traverse(visitor);
         cull->popStateSet();
         return;

@@ -199,6 +199,31 @@ std::optional<ShadingCoordinates> affineCoordinates(const osgTerrain::TerrainTil
     return coordinates;
 }
 
+osg::Matrixd tileFrame(const osgTerrain::TerrainTile& tile, const std::vector<TilePart>& parts)
+{
+    const osgTerrain::Locator& locator = *tile.getElevationLayer()->getLocator();
+    const auto place = [&](double u, double v, double height)
+    {
+        osg::Vec3d model;
+        locator.convertLocalToModel(osg::Vec3d(u, v, height), model);
+        return model;
+    };
+    osg::Vec3d east = place(0.51, 0.5, 0.0) - place(0.49, 0.5, 0.0);
+    osg::Vec3d up = place(0.5, 0.5, 1.0) - place(0.5, 0.5, 0.0);
+    if (!parts.empty())
+    {
+        const osg::Matrixd fromTile = osg::Matrixd::inverse(parts.front().toTile);
+        east = osg::Matrixd::transform3x3(east, fromTile);
+        up = osg::Matrixd::transform3x3(up, fromTile);
+    }
+    up.normalize();
+    east -= up * (east * up);
+    east.normalize();
+    const osg::Vec3d north = up ^ east;
+    return osg::Matrixd(east.x(), north.x(), up.x(), 0.0, east.y(), north.y(), up.y(), 0.0,
+                        east.z(), north.z(), up.z(), 0.0, 0.0, 0.0, 0.0, 1.0);
+}
+
 void addTileCoordinates(const osgTerrain::TerrainTile& tile, const std::vector<TilePart>& parts)
 {
     const osgTerrain::Locator& locator = *tile.getElevationLayer()->getLocator();

@@ -54,6 +54,10 @@ OSGTERRAINLIGHT_EXPORT bool hasColour(const osgTerrain::TerrainTile& tile);
 OSGTERRAINLIGHT_EXPORT std::optional<ShadingCoordinates>
 affineCoordinates(const osgTerrain::TerrainTile& tile, const std::vector<TilePart>& parts);
 
+/// The rotation from the axes of the parts' vertices to the tile's: east, north, up.
+OSGTERRAINLIGHT_EXPORT osg::Matrixd tileFrame(const osgTerrain::TerrainTile& tile,
+                                              const std::vector<TilePart>& parts);
+
 /// Gives the parts' vertices tile coordinates, in set ShadingTexture::coordinateSet, where they
 /// have none yet. Only for geometry that has not been drawn.
 OSGTERRAINLIGHT_EXPORT void addTileCoordinates(const osgTerrain::TerrainTile& tile,

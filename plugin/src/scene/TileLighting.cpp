@@ -140,9 +140,25 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
          [this](osg::State& state) { return runShade(state); },
          [this] { return textureBytes(*_shading) + (_direct ? _direct->bytes() : 0); },
          [] {}});
+    const auto gloss =
+        _chain.addStage({"gloss",
+                         {horizon, _shadeOutput},
+                         [this] { return glossNeeded(); },
+                         [this](osg::State& state) { return runGloss(state); },
+                         [this]
+                         {
+                             return textureBytes(*_glossLight) +
+                                    (_glossPass ? _glossPass->bytes() : 0) +
+                                    (_materialTexture ? textureBytes(*_materialTexture) : 0);
+                         },
+                         [this]
+                         {
+                             _glossPass = nullptr;
+                             _materialTexture = nullptr;
+                         }});
     const auto bounce =
         _chain.addStage({"bounce",
-                         {horizon, pyramid, _shadeOutput},
+                         {horizon, pyramid, _shadeOutput, gloss},
                          [this] { return bounceNeeded(); },
                          [this](osg::State& state) { return runBounce(state); },
                          [this] {
@@ -166,6 +182,7 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                          return _paces[contextID].waits ? PassChain::Turn::Run
                                                         : PassChain::Turn::Skip;
                      }});
+    followGloss();
 }
 
 bool TileLighting::needsSun(const SkyLight& sky)
@@ -195,6 +212,10 @@ void TileLighting::setSettings(const LightingSettings& settings)
     }
     if (settings.bounceInterval != _settings.bounceInterval)
         _chain.touch(_bounceValue);
+    if (settings.gloss != _settings.gloss || settings.glossExponent != _settings.glossExponent ||
+        settings.glossTransfer != _settings.glossTransfer ||
+        settings.glossViewer != _settings.glossViewer || settings.bounces != _settings.bounces)
+        forgetGloss();
     if (settings.bounces != _settings.bounces || settings.albedo != _settings.albedo)
     {
         _albedoTexture = nullptr;
@@ -204,6 +225,7 @@ void TileLighting::setSettings(const LightingSettings& settings)
     }
     const int before = frame();
     _settings = settings;
+    followGloss();
     if (!changed)
         return;
     _horizon = nullptr;
@@ -213,6 +235,7 @@ void TileLighting::setSettings(const LightingSettings& settings)
     _key = nullptr;
     _table = nullptr;
     _bounce = nullptr;
+    _glossPass = nullptr;
     _chain.touch(_settingsValue);
     if (frame() != before)
     {
@@ -254,7 +277,44 @@ bool TileLighting::bounceNeeded() const
 {
     // Less than two posts a side have no cell between them to send light.
     return _settings.bounces > 0 && (skyNeeded() || sunNeeded() || keyNeeded()) && width() > 1 &&
-           height() > 1 && !(_albedo.empty() ? isBlack(_settings.albedo) : _albedoIsBlack);
+           height() > 1 &&
+           (glossNeeded() || !(_albedo.empty() ? isBlack(_settings.albedo) : _albedoIsBlack));
+}
+
+void TileLighting::setGloss(Raster<std::array<float, 2>> gloss)
+{
+    Lock lock(_mutex);
+    assert(gloss.size() == 0 || (gloss.width() == width() && gloss.height() == height()));
+    _gloss = std::move(gloss);
+    _hasGloss = std::any_of(_gloss.values().begin(), _gloss.values().end(),
+                            [](const std::array<float, 2>& post) { return post[0] > 0.0f; });
+    forgetGloss();
+    followGloss();
+}
+
+void TileLighting::forgetGloss()
+{
+    _materialTexture = nullptr;
+    _glossPass = nullptr;
+    _bounce = nullptr; // it holds the pass
+    _chain.touch(_bounceValue);
+}
+
+void TileLighting::followGloss()
+{
+    if (!glossNeeded())
+        _glossLight = nullptr;
+    else if (!_glossLight)
+    {
+        _glossLight = createLayeredTarget(width(), height(), GlossPass::layers, GL_RGBA16F_ARB);
+        forgetGloss();
+    }
+}
+
+osg::ref_ptr<osg::Texture2DArray> TileLighting::glossLight() const
+{
+    Lock lock(_mutex);
+    return _glossLight;
 }
 
 void TileLighting::setAlbedo(Raster<Rgb> albedo)
@@ -289,6 +349,7 @@ void TileLighting::setSky(const SkyLight& sky)
         _chain.touch(_keyPlaceValue);
     }
     _sky = sky;
+    followGloss();
     _chain.touch(_lightValue);
 }
 
@@ -331,6 +392,7 @@ void TileLighting::setPosts(osg::Texture2D* posts)
         _direct = nullptr;
         _key = nullptr;
         _bounce = nullptr;
+        _glossPass = nullptr;
     }
     _framePass->reads("posts", _posts);
 }
@@ -479,6 +541,33 @@ Status TileLighting::runShade(osg::State& state)
                          {GpuPass::groupsFor(width(), 8), GpuPass::groupsFor(height(), 8), 1});
 }
 
+Status TileLighting::runGloss(osg::State& state)
+{
+    if (!_materialTexture)
+    {
+        Raster<Rgb> material(1, 1,
+                             {static_cast<float>(_settings.gloss),
+                              static_cast<float>(_settings.glossExponent), 0.0f});
+        if (_gloss.size())
+        {
+            material = Raster<Rgb>(width(), height());
+            for (std::size_t i = 0; i < material.size(); ++i)
+                material.values()[i] = {_gloss.values()[i][0], _gloss.values()[i][1], 0.0f};
+        }
+        _materialTexture = createColourTexture(material);
+    }
+    if (!_glossPass)
+    {
+        _glossPass = new GlossPass(_tile, _heights, _eastSpacings, _materialTexture, _glossLight,
+                                   _settings.azimuths, bounceNeeded() ? _settings.bounces : 0,
+                                   _settings.glossTransfer, _settings.glossViewer);
+    }
+    SkyLight sky = _sky;
+    sky.sunEnabled = sunNeeded();
+    return _glossPass->dispatchDirect(state, sky, areaLights(),
+                                      _horizon ? _horizon->horizon() : nullptr, _shading);
+}
+
 Status TileLighting::runPyramid(osg::State& state)
 {
     // It runs where anything but light has changed that bounces depend on.
@@ -492,7 +581,7 @@ Status TileLighting::runPyramid(osg::State& state)
     if (!_bounce)
         _bounce =
             new BouncePass(_tile, _heights, _eastSpacings, BounceScheme::of(_settings.quality),
-                           _settings.azimuths, _settings.subsampling);
+                           _settings.azimuths, _settings.subsampling, _glossPass);
     return _bounce->dispatchHeights(state);
 }
 
@@ -523,6 +612,12 @@ Raster<osg::Vec4f> TileLighting::coloursOf(const std::vector<float>& values) con
         colours.values()[i] =
             osg::Vec4f(values[4 * i], values[4 * i + 1], values[4 * i + 2], values[4 * i + 3]);
     return colours;
+}
+
+std::vector<float> TileLighting::readGlossLight(osg::State& state) const
+{
+    assert(_glossLight);
+    return readFloats(state, *_glossLight, 4);
 }
 
 Raster<osg::Vec4f> TileLighting::readShading(osg::State& state) const
@@ -608,6 +703,12 @@ void TileLighting::releaseGLObjects(osg::State* state) const
         _bounce->releaseGLObjects(state);
     if (_sum)
         _sum->releaseGLObjects(state);
+    if (_glossPass)
+        _glossPass->releaseGLObjects(state);
+    for (const osg::Texture* texture :
+         {static_cast<osg::Texture*>(_glossLight), static_cast<osg::Texture*>(_materialTexture)})
+        if (texture)
+            texture->releaseGLObjects(state);
     for (const auto& texture :
          {_heights, _eastSpacings, _skyView, _shading, _albedoTexture, _nothing})
         if (texture)
@@ -635,6 +736,12 @@ void TileLighting::resizeGLObjectBuffers(unsigned size)
         _bounce->resizeGLObjectBuffers(size);
     if (_sum)
         _sum->resizeGLObjectBuffers(size);
+    if (_glossPass)
+        _glossPass->resizeGLObjectBuffers(size);
+    for (osg::Texture* texture :
+         {static_cast<osg::Texture*>(_glossLight), static_cast<osg::Texture*>(_materialTexture)})
+        if (texture)
+            texture->resizeGLObjectBuffers(size);
     for (const auto& texture :
          {_heights, _eastSpacings, _skyView, _shading, _albedoTexture, _nothing})
         if (texture)

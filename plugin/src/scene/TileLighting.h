@@ -13,6 +13,7 @@
 #include "gpu/PassChain.h"
 #include "gpu/passes/AreaLights.h"
 #include "gpu/passes/Bounces.h"
+#include "gpu/passes/GlossPass.h"
 #include "gpu/passes/HeightPyramid.h"
 #include "gpu/passes/HorizonPass.h"
 #include "gpu/passes/LegendreDirectPass.h"
@@ -20,9 +21,11 @@
 
 #include <osg/Referenced>
 #include <osg/Texture2D>
+#include <osg/Texture2DArray>
 
 #include <OpenThreads/Mutex>
 
+#include <array>
 #include <map>
 #include <vector>
 
@@ -43,10 +46,10 @@ enum class SkyViewDefinition
 /// of their state. Stages: heights (they have been set), horizon (a sky or a bounce is on), table
 /// (a sky in harmonics is on), sky (a sky is on), sun (a sun is on and not wholly below the
 /// horizontal), key (a key light is above the horizontal and not black), pyramid (of heights:
-/// bounces are on), shade, bounce (bounces are on, and there is what they would bounce), indirect
-/// (bounces are not computed in every update: adds those that were). With a BounceMethod other than
-/// Slices, horizon, table, sky, sun and key do not exist: where there is any light, shade takes it
-/// from the pyramid.
+/// bounces are on), shade, gloss (the ground is glossy, and there is light), bounce (bounces are
+/// on, and there is what they would bounce), indirect (bounces are not computed in every update:
+/// adds those that were). With a BounceMethod other than Slices, horizon, table, sky, sun, key and
+/// gloss do not exist: where there is any light, shade takes it from the pyramid.
 class OSGTERRAINLIGHT_EXPORT TileLighting : public osg::Referenced
 {
 public:
@@ -72,6 +75,10 @@ public:
     /// Albedo per post, 0 … 1, row 0 south, instead of the settings'; empty: theirs again.
     void setAlbedo(Raster<Rgb> albedo);
 
+    /// Gloss (0 … 1) and exponent (1 … 64) per post, row 0 south, instead of the settings'; empty:
+    /// theirs again.
+    void setGloss(Raster<std::array<float, 2>> gloss);
+
     /// Replaces all heights: width() x height() values [m above the tile's heightOrigin], row 0
     /// south. What is not finite or beyond 1e6 m is void. tile() keeps those it was made with.
     void setHeights(const std::vector<float>& heights);
@@ -95,7 +102,13 @@ public:
     /// sun (1 where the sun is off). Void posts: all 0.
     osg::Texture2D* shading() const { return _shading; }
 
+    /// RGBA16F, a texel per post, GlossPass::layers layers: light sent by gloss (ShadingTexture.h),
+    /// without that of the sun. Null where nothing is glossy or there is no light.
+    osg::ref_ptr<osg::Texture2DArray> glossLight() const;
+
     /// Read-back, all in tile order (row 0 south). Call after update().
+    /// Of glossLight(), layer after layer, four values per post.
+    std::vector<float> readGlossLight(osg::State& state) const;
     Raster<osg::Vec4f> readShading(osg::State& state) const;
     Raster<float>
     readSkyView(osg::State& state) const; ///< NaN where void; as readHorizons, the sky uniform
@@ -129,6 +142,13 @@ private:
     bool legendreNeeded() const;
     int frame() const; ///< of the heights: void posts on every side
     void createHeights();
+    bool glossNeeded() const
+    {
+        return bySlices() && (_gloss.empty() ? _settings.gloss > 0.0 : _hasGloss) &&
+               (skyNeeded() || sunNeeded() || keyNeeded());
+    }
+    void followGloss();
+    void forgetGloss();
     Raster<osg::Vec4f> coloursOf(const std::vector<float>& values) const;
     void setPosts(osg::Texture2D* posts);
     Status runHeights(osg::State& state);
@@ -138,9 +158,14 @@ private:
     Status runSun(osg::State& state);
     Status runKey(osg::State& state);
     Status runShade(osg::State& state);
+    Status runGloss(osg::State& state);
     Status runPyramid(osg::State& state);
     Status runBounce(osg::State& state);
-    bool sumNeeded() const { return bounceNeeded() && _settings.bounceInterval > 1; }
+    /// Gloss is computed with the bounces, so that these are then computed in every update.
+    bool sumNeeded() const
+    {
+        return bounceNeeded() && _settings.bounceInterval > 1 && !glossNeeded();
+    }
     PassChain::Turn bounceTurn(unsigned contextID);
 
     mutable OpenThreads::Mutex _mutex;
@@ -184,6 +209,11 @@ private:
     Raster<Rgb> _albedo;         ///< empty: the settings'
     bool _albedoIsBlack = false;
     osg::ref_ptr<osg::Texture2D> _albedoTexture;
+    Raster<std::array<float, 2>> _gloss; ///< empty: the settings'
+    bool _hasGloss = false;              ///< some of it is not 0
+    osg::ref_ptr<osg::Texture2D> _materialTexture;
+    osg::ref_ptr<osg::Texture2DArray> _glossLight;
+    osg::ref_ptr<GlossPass> _glossPass;
     osg::ref_ptr<osg::Texture2D> _nothing; ///< one texel, stands for the texture of an absent stage
 };
 

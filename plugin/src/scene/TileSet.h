@@ -67,6 +67,7 @@ public:
     osg::ref_ptr<osg::Program> program() const;
 
     std::atomic<bool> enabled{true};
+    std::atomic<bool> glossy{false};  ///< programs add light sent by gloss
     std::atomic<double> budget{50.0}; ///< [ms] per frame; 0: no limit
 
     /// Whether tile may be drawn with its shading.

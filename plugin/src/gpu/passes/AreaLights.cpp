@@ -1,6 +1,7 @@
 #include "gpu/passes/AreaLights.h"
 
 #include <array>
+#include <cassert>
 #include <cmath>
 
 namespace osgTerrainLight
@@ -11,6 +12,19 @@ Rgb skyGain(const SkyLight& sky)
     return !sky.skyEnabled            ? Rgb{}
            : sky.skyHarmonics.empty() ? sky.skyRadiance
                                       : Rgb{1.0f, 1.0f, 1.0f};
+}
+
+osg::ref_ptr<osg::Uniform> harmonicsUniform(const std::vector<Rgb>& harmonics)
+{
+    assert(harmonics.size() <= 16);
+    osg::ref_ptr<osg::Uniform> uniform =
+        new osg::Uniform(osg::Uniform::FLOAT_VEC3, "harmonics", 16);
+    for (unsigned i = 0; i < 16; ++i)
+    {
+        const Rgb c = i < harmonics.size() ? harmonics[i] : Rgb{};
+        uniform->setElement(i, osg::Vec3f(c[0], c[1], c[2]));
+    }
+    return uniform;
 }
 
 void AreaLights::apply(GpuPass& pass, std::vector<std::string> defines) const

@@ -7,6 +7,7 @@
 
 #include <osg/Texture2D>
 #include <osg/Texture2DArray>
+#include <osg/Uniform>
 
 #include <string>
 #include <vector>
@@ -16,6 +17,10 @@ namespace osgTerrainLight
 
 /// skyRadiance of shaders/lights.glsl: what the sky's share of light is multiplied by.
 OSGTERRAINLIGHT_EXPORT Rgb skyGain(const SkyLight& sky);
+
+/// `harmonics` of shaders: vec3[16], from 1, 4, 9 or 16 coefficients.
+OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Uniform>
+harmonicsUniform(const std::vector<Rgb>& harmonics);
 
 /// What passes read for direct light beyond the uniform sky (shaders/lights.glsl).
 struct OSGTERRAINLIGHT_EXPORT AreaLights

@@ -105,7 +105,7 @@ std::vector<BounceSample> bounceSamples(const BounceScheme& scheme, int reach, i
 }
 
 BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Texture2D* eastSpacings,
-                       const BounceScheme& scheme, int azimuths, int stride)
+                       const BounceScheme& scheme, int azimuths, int stride, GlossPass* gloss)
     : _width(tile.width()), _height(tile.height()), _stride(stride),
       _posts(PyramidLayout::ofPosts(_width, _height)),
       _cells(PyramidLayout::ofCells(_width - 1, _height - 1)), _heights(heights),
@@ -113,7 +113,8 @@ BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Textur
       _bouncedRadiance(new GpuPass("radiance")),
       _firstHeights(new GpuPass("pyramid", {"HEIGHTS", "FROM_POSTS"})),
       _nextHeights(new GpuPass("pyramid", {"HEIGHTS"})),
-      _firstRadiance(new GpuPass("pyramid", {"FROM_CELLS"})), _nextRadiance(new GpuPass("pyramid"))
+      _firstRadiance(new GpuPass("pyramid", {"FROM_CELLS"})), _nextRadiance(new GpuPass("pyramid")),
+      _gloss(gloss)
 {
     using Defines = std::vector<std::string>;
     _firstBounce =
@@ -152,6 +153,9 @@ BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Textur
         nearCount += samples[i].level == 0 ? 1 : 0;
     }
     const auto bounces = {_firstBounce, _nextBounce};
+    std::vector<osg::ref_ptr<GpuPass>> scans = bounces; // all that look along the rays
+    if (gloss)
+        scans.push_back(gloss->gatherPass());
     for (const auto& [name, layout] :
          {std::pair{"heightLevels", &_posts}, {"radianceLevels", &_cells}})
     {
@@ -162,7 +166,7 @@ BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Textur
             const PyramidLayout::Level& level = layout->levels[i];
             levels->setElement(i, level.x, level.y, level.width, level.height);
         }
-        for (const auto& pass : bounces)
+        for (const auto& pass : scans)
             pass->set(levels);
     }
     if (stride > 1)
@@ -204,10 +208,11 @@ BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Textur
     for (const auto& pass : {_directRadiance, _bouncedRadiance})
         pass->writes(0, _radiance);
     _bouncedRadiance->reads("light", _light);
-    for (const auto& pass : bounces)
-    {
-        if (stride == 1)
+    if (stride == 1)
+        for (const auto& pass : bounces)
             pass->writes(1, _light, GpuPass::Access::ReadWrite);
+    for (const auto& pass : scans)
+    {
         pass->reads("radiance", _radiance);
         pass->reads("stepLengths", _stepLengths);
         pass->reads("heightPyramid", _heightPyramid);
@@ -219,8 +224,9 @@ BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Textur
 }
 
 Status reducePyramid(osg::State& state, const PyramidLayout& layout, GpuPass& first,
-                     osg::Texture2D* finest, int frame, GpuPass& next, osg::Texture2D* pyramid)
+                     osg::Texture* finest, int frame, GpuPass& next, osg::Texture* pyramid)
 {
+    const auto layers = static_cast<unsigned>(std::max(1, pyramid->getTextureDepth()));
     Status done = Nothing{};
     for (std::size_t i = 1; done && i < layout.levels.size(); ++i)
     {
@@ -234,7 +240,7 @@ Status reducePyramid(osg::State& state, const PyramidLayout& layout, GpuPass& fi
         pass.set(rectangle("to", to));
         pass.writes(0, pyramid);
         done = pass.dispatch(
-            state, {GpuPass::groupsFor(to.width, 8), GpuPass::groupsFor(to.height, 8), 1});
+            state, {GpuPass::groupsFor(to.width, 8), GpuPass::groupsFor(to.height, 8), layers});
     }
     return done;
 }
@@ -281,6 +287,8 @@ Status BouncePass::dispatch(osg::State& state, int bounces, const SkyLight& sky,
     for (int bounce = 0; done && bounce < bounces; ++bounce)
     {
         done = (bounce == 0 ? _directRadiance : _bouncedRadiance)->dispatch(state, groups);
+        if (done && _gloss)
+            done = _gloss->dispatchSent(state, bounce, _posts, _radiance);
         if (done)
             done = reducePyramid(state, _cells, *_firstRadiance, _radiance, 0, *_nextRadiance,
                                  _radiancePyramid);
@@ -290,6 +298,8 @@ Status BouncePass::dispatch(osg::State& state, int bounces, const SkyLight& sky,
             done = _upsample->dispatch(state, groups);
         if (done)
             done = keep(state, _light, bounce);
+        if (done && _gloss)
+            done = _gloss->dispatchBounce(state, bounce, horizon, shading, _light);
     }
     return done;
 }

@@ -8,6 +8,8 @@
 #include "core/Result.h"
 #include "gpu/GpuPass.h"
 #include "gpu/passes/Bounces.h"
+#include "gpu/passes/GlossPass.h"
+#include "gpu/passes/Pyramid.h"
 
 #include <osg/Texture2D>
 #include <osg/Texture2DArray>
@@ -31,25 +33,6 @@ struct OSGTERRAINLIGHT_EXPORT BounceScheme
     static BounceScheme of(HorizonQuality quality);
 };
 
-/// Where the levels of a pyramid stand in its texture. Level 0 is a texture of its own.
-struct OSGTERRAINLIGHT_EXPORT PyramidLayout
-{
-    struct Level
-    {
-        int x = 0, y = 0, width = 0, height = 0;
-    };
-    std::vector<Level> levels;
-    int width = 1, height = 1; ///< of the texture of the levels above 0 [texels]
-
-    static PyramidLayout ofPosts(int columns, int rows);
-    static PyramidLayout ofCells(int columns, int rows);
-};
-
-/// Fills the levels above 0. first: from level 0, which begins at texel (frame, frame) of `finest`;
-/// next: from each other.
-Status reducePyramid(osg::State& state, const PyramidLayout& layout, GpuPass& first,
-                     osg::Texture2D* finest, int frame, GpuPass& next, osg::Texture2D* pyramid);
-
 /// One sample of a ray: a height, and the radiance between it and the sample before.
 struct BounceSample
 {
@@ -69,9 +52,11 @@ class OSGTERRAINLIGHT_EXPORT BouncePass : public Bounces
 {
 public:
     /// heights: createHeightTexture(tile, HorizonPass::frame). eastSpacings: one texel per row.
-    /// stride: light is gathered at every stride-th post in both directions, 1, 2 or 4.
+    /// stride: light is gathered at every stride-th post in both directions, 1, 2 or 4. gloss: null
+    /// where nothing is glossy; else its dispatchDirect() comes before dispatch().
     BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Texture2D* eastSpacings,
-               const BounceScheme& scheme, int azimuths, int stride = 1);
+               const BounceScheme& scheme, int azimuths, int stride = 1,
+               GlossPass* gloss = nullptr);
 
     Status dispatchHeights(osg::State& state) override;
     /// horizon: of as many azimuths, never null.
@@ -103,6 +88,7 @@ private:
     std::array<osg::ref_ptr<osg::Texture2D>, 3> _vectors; ///< of colours, where the stride is not 1
     osg::ref_ptr<GpuPass> _upsample;                      ///< ditto
     osg::ref_ptr<GpuPass> _firstHeights, _nextHeights, _firstRadiance, _nextRadiance;
+    osg::ref_ptr<GlossPass> _gloss;
 };
 
 } // namespace osgTerrainLight

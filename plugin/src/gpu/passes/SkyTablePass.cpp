@@ -2,8 +2,7 @@
 
 #include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
-
-#include <cassert>
+#include "gpu/passes/AreaLights.h"
 
 namespace osgTerrainLight
 {
@@ -31,15 +30,7 @@ SkyTablePass::SkyTablePass(int azimuths, int rows)
 
 Status SkyTablePass::dispatch(osg::State& state, const std::vector<Rgb>& harmonics)
 {
-    assert(harmonics.size() <= 16);
-    osg::ref_ptr<osg::Uniform> coefficients =
-        new osg::Uniform(osg::Uniform::FLOAT_VEC3, "harmonics", 16);
-    for (unsigned i = 0; i < 16; ++i)
-    {
-        const Rgb c = i < harmonics.size() ? harmonics[i] : Rgb{};
-        coefficients->setElement(i, osg::Vec3f(c[0], c[1], c[2]));
-    }
-    _harmonics->set(coefficients);
+    _harmonics->set(harmonicsUniform(harmonics));
     Status done = _harmonics->dispatch(state, {GpuPass::groupsFor(_sky->getTextureWidth(), 8),
                                                GpuPass::groupsFor(_sky->getTextureHeight(), 8), 1});
     if (!done)
