@@ -153,9 +153,9 @@ TEST(BounceInterval, LightThatMovesBringsBouncesInEveryNthUpdate)
         new TileLighting(terrain(), settingsOf(2, 4), sunAt(0.0));
     update(*lighting, state);
     EXPECT_FALSE(lighting->isDirty(id));
-    std::map<std::string, unsigned> counts = {{"horizon", 1}, {"sky", 1},     {"sun", 1},
-                                              {"shade", 1},   {"pyramid", 1}, {"bounce", 1},
-                                              {"indirect", 0}};
+    std::map<std::string, unsigned> counts = {
+        {"horizon", 1}, {"table", 0}, {"sky", 1},   {"sun", 1},    {"key", 0},
+        {"pyramid", 1}, {"shade", 1}, {"gloss", 0}, {"bounce", 1}, {"indirect", 0}};
     EXPECT_EQ(countsOf(*lighting), counts);
     unsigned waits = 0;
     for (unsigned step = 1; step <= 12; ++step)

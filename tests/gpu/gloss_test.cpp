@@ -241,6 +241,50 @@ TEST(Gloss, PerPost)
 
 // Expected: nothing of gloss exists where there is none, and settings that come and go leave the
 // shading as a tile that never had them.
+// A white sky of radiance 1 in three ways: as such, as its one harmonic, 2√π, and as a key light
+// all around. The first two have the same horizons, and differ by quadrature and half floats; the
+// third has horizons of its own, half a slice aside on rough ground. Voids among them.
+TEST(Gloss, OneSkyInThreeWays)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    DemTile tile = *generateTerrain(TerrainKind::Fractal, 24, 20, 30.0, 3);
+    tile.setVoid(7, 5);
+    SkyLight harmonic = whiteSky();
+    harmonic.skyHarmonics = {Rgb{3.5449077f, 3.5449077f, 3.5449077f}};
+    SkyLight key = whiteSky();
+    key.skyEnabled = false;
+    KeyLight all;
+    all.width = 360.0;
+    all.lowest = -10.0;
+    all.highest = 90.0;
+    key.keyLights = {all};
+    for (const int bounces : {0, 1})
+    {
+        const LightingSettings settings = glossySettings(0.5, 8.0, bounces);
+        const Glossy expected = glossOf(state, tile, settings, whiteSky());
+        for (const auto& [sky, bound] : {std::pair{&harmonic, 2e-3}, {&key, 0.02}})
+        {
+            const Glossy found = glossOf(state, tile, settings, *sky);
+            double squares = 0.0, of = 0.0;
+            for (int layer = 0; layer < 12; ++layer)
+                for (int y = 0; y < 20; ++y)
+                    for (int x = 0; x < 24; ++x)
+                        for (int part = 0; part < 4; ++part)
+                        {
+                            const double truth = expected.at(layer, x, y, part);
+                            const double difference = found.at(layer, x, y, part) - truth;
+                            squares += difference * difference;
+                            of += truth * truth;
+                        }
+            std::cout << (sky == &key ? "key light" : "harmonic") << ", " << bounces
+                      << " bounces: " << 100.0 * std::sqrt(squares / of) << " %\n";
+            EXPECT_GT(of, 1.0);
+            EXPECT_LE(std::sqrt(squares / of), bound);
+        }
+    }
+}
+
 TEST(Gloss, CostsNothingWhereThereIsNone)
 {
     OTL_NEED_GL(context);

@@ -249,7 +249,8 @@ TEST(TerrainLighting, AStillSceneDispatchesNothingAndAChangeOnlyWhatItReaches)
                               {"shade", 1},
                               {"gloss", 0},
                               {"pyramid", 0},
-                              {"bounce", 0}}));
+                              {"bounce", 0},
+                              {"indirect", 0}}));
     picture.draw(20);
     EXPECT_EQ(lighting->getDispatchCounts(), counts);
 

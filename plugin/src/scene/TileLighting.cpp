@@ -541,7 +541,7 @@ Status TileLighting::runShade(osg::State& state)
                          {GpuPass::groupsFor(width(), 8), GpuPass::groupsFor(height(), 8), 1});
 }
 
-Status TileLighting::runGloss(osg::State& state)
+void TileLighting::createGlossPass()
 {
     if (!_materialTexture)
     {
@@ -562,6 +562,11 @@ Status TileLighting::runGloss(osg::State& state)
                                    _settings.azimuths, bounceNeeded() ? _settings.bounces : 0,
                                    _settings.glossTransfer, _settings.glossViewer);
     }
+}
+
+Status TileLighting::runGloss(osg::State& state)
+{
+    createGlossPass();
     SkyLight sky = _sky;
     sky.sunEnabled = sunNeeded();
     return _glossPass->dispatchDirect(state, sky, areaLights(),
@@ -578,6 +583,8 @@ Status TileLighting::runPyramid(osg::State& state)
             _pyramid = new HeightPyramid(_tile, _heights, frame());
         return _pyramid->dispatch(state);
     }
+    if (glossNeeded())
+        createGlossPass(); // bounces hold it
     if (!_bounce)
         _bounce =
             new BouncePass(_tile, _heights, _eastSpacings, BounceScheme::of(_settings.quality),

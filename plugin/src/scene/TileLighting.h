@@ -149,6 +149,7 @@ private:
     }
     void followGloss();
     void forgetGloss();
+    void createGlossPass();
     Raster<osg::Vec4f> coloursOf(const std::vector<float>& values) const;
     void setPosts(osg::Texture2D* posts);
     Status runHeights(osg::State& state);
