@@ -39,8 +39,9 @@ void main()
         ivec2 corner = ivec2(i % 2, i / 2);
         ivec2 coarse = min(first + corner, last);
         vec4 red = texelFetch(redVector, coarse, 0);
-        ivec2 away = coarse * stride - post;
-        Length height = postHeight(heights, coarse * stride + frame);
+        ivec2 gathered = postOfBlock(heights, coarse, stride, size, frame);
+        ivec2 away = gathered - post;
+        Length height = postHeight(heights, gathered + frame);
         vec3 across = vec3(float(away.x) * east, float(away.y) * northSpacing,
                            isVoid(height) ? 0.0 : height - here);
         float weight = red.a * blockWeight(corner, share, across, normal, max(east, northSpacing));

@@ -380,8 +380,9 @@ TEST(DynamicHeights, AChangeRunsEachStageOnceAndNoChangeNone)
     settings.bounces = 2;
     lighting->setSettings(settings);
     ASSERT_TRUE(lighting->update(state).ok());
-    EXPECT_EQ(lighting->costs().size(), 6u) << "heights that stay have no stage";
     const std::vector<StageCost> still = lighting->costs();
+    for (const StageCost& cost : still)
+        EXPECT_NE(cost.name, "heights") << "heights that stay have no stage";
     const std::size_t before = lighting->bytes();
     for (unsigned round = 1; round <= 3; ++round)
     {
@@ -393,11 +394,15 @@ TEST(DynamicHeights, AChangeRunsEachStageOnceAndNoChangeNone)
             EXPECT_FALSE(lighting->isDirty(state.getContextID()));
         }
         const std::vector<StageCost> costs = lighting->costs();
-        ASSERT_EQ(costs.size(), 7u);
+        ASSERT_EQ(costs.size(), still.size() + 1);
         EXPECT_EQ(costs[0].name, "heights");
         EXPECT_EQ(costs[0].dispatches, round);
         for (std::size_t i = 1; i < costs.size(); ++i)
-            EXPECT_EQ(costs[i].dispatches, still[i - 1].dispatches + round) << costs[i].name;
+        {
+            // Of a light or a surface that is not there: none, ever.
+            const unsigned before = still[i - 1].dispatches;
+            EXPECT_EQ(costs[i].dispatches, before > 0 ? before + round : 0) << costs[i].name;
+        }
     }
     EXPECT_EQ(lighting->bytes(), before + 9 * 9 * 4) << "the posts, for the upload";
     SkyLight sky;

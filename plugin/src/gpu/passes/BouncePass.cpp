@@ -19,52 +19,7 @@ namespace
 {
 constexpr std::size_t maxAzimuths = 256; // the sizes of what bounce.comp declares
 constexpr std::size_t maxSamples = 128;
-constexpr std::size_t maxLevels = 16;
-
-osg::ref_ptr<osg::Uniform> rectangle(const char* name, const PyramidLayout::Level& level)
-{
-    osg::ref_ptr<osg::Uniform> uniform = new osg::Uniform(osg::Uniform::INT_VEC4, name);
-    uniform->set(level.x, level.y, level.width, level.height);
-    return uniform;
-}
 } // namespace
-
-namespace
-{
-/// Level 1 on the left; the others, all no higher together, in a column beside it.
-PyramidLayout layOut(int columns, int rows, int smallest, int (*coarser)(int))
-{
-    PyramidLayout layout;
-    layout.levels.push_back({0, 0, columns, rows});
-    int top = 0;
-    while (layout.levels.back().width > smallest || layout.levels.back().height > smallest)
-    {
-        const PyramidLayout::Level& finer = layout.levels.back();
-        PyramidLayout::Level level{0, 0, coarser(finer.width), coarser(finer.height)};
-        if (layout.levels.size() > 1)
-        {
-            level.x = layout.levels[1].width;
-            level.y = top;
-            top += level.height;
-        }
-        layout.levels.push_back(level);
-        layout.width = std::max(layout.width, level.x + level.width);
-        layout.height = std::max(layout.height, level.y + level.height);
-    }
-    return layout;
-}
-} // namespace
-
-PyramidLayout PyramidLayout::ofPosts(int columns, int rows)
-{
-    // The last post of an even count is beyond the last texel but one.
-    return layOut(columns, rows, 2, [](int count) { return count / 2 + 1; });
-}
-
-PyramidLayout PyramidLayout::ofCells(int columns, int rows)
-{
-    return layOut(columns, rows, 1, [](int count) { return (count + 1) / 2; });
-}
 
 BounceScheme BounceScheme::of(HorizonQuality quality)
 {
@@ -120,7 +75,6 @@ BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Textur
     _firstBounce =
         new GpuPass("bounce", stride == 1 ? Defines{"DIRECT"} : Defines{"DIRECT", "COARSE"});
     _nextBounce = new GpuPass("bounce", stride == 1 ? Defines{} : Defines{"COARSE"});
-    assert(_posts.levels.size() <= maxLevels && _cells.levels.size() <= maxLevels);
     _heightPyramid = createTarget(_posts.width, _posts.height, GL_RG32F);
     _radiancePyramid = createTarget(_cells.width, _cells.height, GL_RGBA16F_ARB);
     _radiance = createTarget(std::max(1, _width - 1), std::max(1, _height - 1), GL_RGBA16F_ARB);
@@ -156,18 +110,10 @@ BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Textur
     std::vector<osg::ref_ptr<GpuPass>> scans = bounces; // all that look along the rays
     if (gloss)
         scans.push_back(gloss->gatherPass());
-    for (const auto& [name, layout] :
-         {std::pair{"heightLevels", &_posts}, {"radianceLevels", &_cells}})
+    for (const auto& pass : scans)
     {
-        osg::ref_ptr<osg::Uniform> levels =
-            new osg::Uniform(osg::Uniform::INT_VEC4, name, static_cast<int>(maxLevels));
-        for (unsigned i = 0; i < layout->levels.size(); ++i)
-        {
-            const PyramidLayout::Level& level = layout->levels[i];
-            levels->setElement(i, level.x, level.y, level.width, level.height);
-        }
-        for (const auto& pass : scans)
-            pass->set(levels);
+        setLevels(*pass, "heightLevels", _posts);
+        setLevels(*pass, "radianceLevels", _cells);
     }
     if (stride > 1)
     {
@@ -221,28 +167,6 @@ BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Textur
         pass->set("nearCount", nearCount);
         pass->set("sampleCount", static_cast<int>(samples.size()));
     }
-}
-
-Status reducePyramid(osg::State& state, const PyramidLayout& layout, GpuPass& first,
-                     osg::Texture* finest, int frame, GpuPass& next, osg::Texture* pyramid)
-{
-    const auto layers = static_cast<unsigned>(std::max(1, pyramid->getTextureDepth()));
-    Status done = Nothing{};
-    for (std::size_t i = 1; done && i < layout.levels.size(); ++i)
-    {
-        GpuPass& pass = i == 1 ? first : next;
-        PyramidLayout::Level from = layout.levels[i - 1];
-        if (i == 1)
-            from.x = from.y = frame;
-        const PyramidLayout::Level& to = layout.levels[i];
-        pass.reads("finer", i == 1 ? finest : pyramid);
-        pass.set(rectangle("from", from));
-        pass.set(rectangle("to", to));
-        pass.writes(0, pyramid);
-        done = pass.dispatch(
-            state, {GpuPass::groupsFor(to.width, 8), GpuPass::groupsFor(to.height, 8), layers});
-    }
-    return done;
 }
 
 Status BouncePass::dispatchHeights(osg::State& state)

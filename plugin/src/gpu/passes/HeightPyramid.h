@@ -5,7 +5,7 @@
 
 #include "core/Result.h"
 #include "gpu/GpuPass.h"
-#include "gpu/passes/BouncePass.h"
+#include "gpu/passes/Pyramid.h"
 
 #include <osg/Referenced>
 #include <osg/State>

@@ -59,7 +59,13 @@ Status LegendreDirectPass::dispatch(osg::State& state, const SkyLight& sky, osg:
 {
     const bool inHarmonics = sky.skyEnabled && !sky.skyHarmonics.empty();
     GpuPass& pass = inHarmonics ? *_harmonics : *_uniform;
-    _skyProduct = inHarmonics ? createFloatTexture(productOf(sky.skyHarmonics)) : nullptr;
+    if (!inHarmonics)
+        _skyProduct = nullptr;
+    else if (!_skyProduct || sky.skyHarmonics != _productOf)
+    {
+        _skyProduct = createFloatTexture(productOf(sky.skyHarmonics));
+        _productOf = sky.skyHarmonics;
+    }
     if (inHarmonics)
         pass.reads("skyProduct", _skyProduct);
     else

@@ -14,6 +14,7 @@
 #include <osg/Texture2D>
 
 #include <cstddef>
+#include <vector>
 
 namespace osgTerrainLight
 {
@@ -46,6 +47,7 @@ private:
     GpuPass::Groups _groups;
     osg::ref_ptr<GpuPass> _uniform, _harmonics; ///< by the kind of sky
     osg::ref_ptr<osg::Texture2D> _skyProduct;   ///< null where the sky is uniform
+    std::vector<Rgb> _productOf;                ///< the harmonics that it was made of
 };
 
 } // namespace osgTerrainLight

@@ -28,9 +28,11 @@ struct OSGTERRAINLIGHT_EXPORT PyramidLayout
 };
 
 /// Fills the levels above 0. first: from level 0, which begins at texel (frame, frame) of `finest`;
-/// next: from each other.
-/// Texture arrays: every layer.
+/// next: from each other. Texture arrays: every layer.
 Status reducePyramid(osg::State& state, const PyramidLayout& layout, GpuPass& first,
                      osg::Texture* finest, int frame, GpuPass& next, osg::Texture* pyramid);
+
+/// Sets an array of levels.
+void setLevels(GpuPass& pass, const char* uniform, const PyramidLayout& layout);
 
 } // namespace osgTerrainLight

@@ -33,20 +33,6 @@ std::vector<MapDirection> directionsOf(const AzimuthSet& set)
     return directions;
 }
 
-void setLevels(GpuPass& pass, const char* uniform, const PyramidLayout& layout)
-{
-    constexpr std::size_t maxLevels = 16; // the size of the arrays in the shaders
-    assert(layout.levels.size() <= maxLevels);
-    osg::ref_ptr<osg::Uniform> levels =
-        new osg::Uniform(osg::Uniform::INT_VEC4, uniform, static_cast<int>(maxLevels));
-    for (unsigned i = 0; i < layout.levels.size(); ++i)
-    {
-        const PyramidLayout::Level& level = layout.levels[i];
-        levels->setElement(i, level.x, level.y, level.width, level.height);
-    }
-    pass.set(levels);
-}
-
 void setPyramidScan(GpuPass& pass, const DemTile& tile, const BounceScheme& scheme,
                     const HeightPyramid& pyramid, osg::Texture2D* eastSpacings)
 {

@@ -28,7 +28,4 @@ std::vector<MapDirection> directionsOf(const AzimuthSet& set);
 void setPyramidScan(GpuPass& pass, const DemTile& tile, const BounceScheme& scheme,
                     const HeightPyramid& pyramid, osg::Texture2D* eastSpacings);
 
-/// Sets an array of levels.
-void setLevels(GpuPass& pass, const char* uniform, const PyramidLayout& layout);
-
 } // namespace osgTerrainLight
