@@ -84,6 +84,7 @@ std::string readerOptions(const CLI::App& app, const Options& options)
     add("--bounces", "bounces", std::to_string(options.settings.bounces));
     add("--gloss", "gloss", text(options.settings.gloss));
     add("--gloss-exponent", "gloss_exponent", text(options.settings.glossExponent));
+    add("--gloss-transfer", "gloss_transfer", toString(options.settings.glossTransfer));
     add("--exposure", "exposure", text(options.settings.exposure));
     add("--light", "light", options.light);
     add("--key-light", "key_lights", textOf(options.sky.keyLights));
@@ -331,6 +332,13 @@ Mode addRender(CLI::App& tool)
     addNumbers(*app, "--gloss-exponent", "V", {"gloss-exponent"},
                "How sharply it mirrors, 1 ... 64; default 8",
                [options](const auto& v) { options->settings.glossExponent = v[0]; })
+        ->needs("--gloss");
+    app->add_option_function<std::string>(
+           "--gloss-transfer",
+           [options](const std::string& name)
+           { fromString(name, options->settings.glossTransfer); },
+           "How gloss gets from terrain to terrain; default vector")
+        ->check(CLI::IsMember({"vector", "scalar"}))
         ->needs("--gloss");
     addCellSize(*app, [options](double size) { options->cellSize = size; });
     addLimitedNumbers(*app, "--frames", "N", {{"frames", 1.0, 100000.0, true}},

@@ -239,8 +239,6 @@ TEST(Gloss, PerPost)
     lighting->releaseGLObjects(&state);
 }
 
-// Expected: nothing of gloss exists where there is none, and settings that come and go leave the
-// shading as a tile that never had them.
 // A white sky of radiance 1 in three ways: as such, as its one harmonic, 2√π, and as a key light
 // all around. The first two have the same horizons, and differ by quadrature and half floats; the
 // third has horizons of its own, half a slice aside on rough ground. Voids among them.
@@ -285,6 +283,8 @@ TEST(Gloss, OneSkyInThreeWays)
     }
 }
 
+// Expected: nothing of gloss exists where there is none, and settings that come and go leave the
+// shading as a tile that never had them.
 TEST(Gloss, CostsNothingWhereThereIsNone)
 {
     OTL_NEED_GL(context);
@@ -311,7 +311,7 @@ TEST(Gloss, CostsNothingWhereThereIsNone)
     ASSERT_TRUE(lighting->update(state).ok());
     EXPECT_EQ(stage().dispatches, 1u);
     // 13 layers for the viewer, 12 of each of two bounces and of a pyramid, of half floats; the
-    // pyramid as RadiancePyramid's layout. A texel of material.
+    // pyramid is laid out as that of heights. A texel of material.
     const PyramidLayout layout = PyramidLayout::ofPosts(33, 25);
     const std::size_t expected = 33u * 25u * (13u + 2u * 12u) * 8u +
                                  static_cast<std::size_t>(layout.width * layout.height) * 12u * 8u +
@@ -327,6 +327,34 @@ TEST(Gloss, CostsNothingWhereThereIsNone)
     EXPECT_EQ(lighting->bytes(), before);
     EXPECT_EQ(lighting->readShading(state).values(), shading.values());
     lighting->releaseGLObjects(&state);
+}
+
+// Expected: the bits of bounces in every update, whatever the interval: gloss is computed with
+// them.
+TEST(Gloss, BringsBouncesInEveryUpdate)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    const DemTile tile = *generateTerrain(TerrainKind::Fractal, 24, 20, 30.0, 3);
+    LightingSettings settings = glossySettings(0.5, 8.0, 1);
+    const osg::ref_ptr<TileLighting> always = new TileLighting(tile, settings, SkyLight());
+    settings.bounceInterval = 4;
+    const osg::ref_ptr<TileLighting> paced = new TileLighting(tile, settings, SkyLight());
+    for (int step = 0; step < 6; ++step)
+    {
+        SkyLight sky;
+        sky.sunAzimuth = 30.0 * step;
+        for (const auto& lighting : {always, paced})
+        {
+            lighting->setSky(sky);
+            ASSERT_TRUE(lighting->update(state).ok());
+            EXPECT_FALSE(lighting->isDirty(state.getContextID())) << step;
+        }
+        EXPECT_EQ(paced->readShading(state).values(), always->readShading(state).values()) << step;
+        EXPECT_EQ(paced->readGlossLight(state), always->readGlossLight(state)) << step;
+    }
+    always->releaseGLObjects(&state);
+    paced->releaseGLObjects(&state);
 }
 
 // Expected: a second update after touch() gives the same bits, so nothing is added twice.

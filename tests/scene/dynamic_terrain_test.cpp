@@ -653,6 +653,58 @@ TEST(DynamicTerrain, VoidsAreHolesAndMayBeFilled)
     EXPECT_EQ(takeGlErrors(), "");
 }
 
+// Expected: black in the dark, with gloss too; gloss of the host per post is drawn where the
+// settings have none, and in its half alone.
+TEST(DynamicTerrain, IsGlossyWhereThereIsLight)
+{
+    OTL_NEED_GL(context);
+    Said said;
+    osg::ref_ptr<DynamicTerrain> terrain = levelGround();
+    osg::ref_ptr<TerrainLighting> lighting = litTerrain(terrain);
+    SkyLight sky;
+    sky.sunEnabled = sky.skyEnabled = false;
+    sky.skyRadiance = {0.1f, 0.1f, 0.1f};
+    lighting->setSkyLight(sky);
+    LightingSettings settings = lighting->getSettings();
+    settings.gloss = 0.8;
+    lighting->setSettings(settings);
+    ScenePicture picture(lighting, reach);
+    picture.draw(2);
+    EXPECT_EQ(picture.redAt(0.5, 0.0), 0.0);
+    sky.skyEnabled = true;
+    lighting->setSkyLight(sky);
+    picture.draw(2);
+    const double bright = picture.redAt(0.5, 0.0);
+    settings.gloss = 0.0;
+    lighting->setSettings(settings);
+    picture.draw(2);
+    const double plain = picture.redAt(0.5, 0.0);
+    EXPECT_GT(plain, 10.0);
+    EXPECT_GT(bright, plain + 20.0);
+
+    std::vector<std::array<float, 2>> gloss(static_cast<std::size_t>(side * side), {0.0f, 1.0f});
+    for (std::size_t i = 0; i < gloss.size(); ++i)
+        if (i % static_cast<std::size_t>(side) > static_cast<std::size_t>(side) / 2)
+            gloss[i] = {0.8f, 8.0f};
+    EXPECT_TRUE(lighting->setTileGloss(terrain->getStateSet(), gloss));
+    picture.draw(2);
+    EXPECT_NEAR(picture.redAt(0.5, 0.0), bright, 1.5);
+    EXPECT_NEAR(picture.redAt(-0.5, 0.0), plain, 1.5);
+    EXPECT_TRUE(lighting->setTileGloss(terrain->getStateSet(), {}));
+    picture.draw(2);
+    EXPECT_NEAR(picture.redAt(0.5, 0.0), plain, 1.5);
+    EXPECT_EQ(said.text(), "");
+    EXPECT_EQ(takeGlErrors(), "");
+
+    const osg::ref_ptr<osg::StateSet> stranger = new osg::StateSet;
+    EXPECT_FALSE(lighting->setTileGloss(stranger, gloss));
+    gloss.pop_back();
+    EXPECT_FALSE(lighting->setTileGloss(terrain->getStateSet(), gloss));
+    gloss.push_back({0.5f, 0.5f});
+    EXPECT_FALSE(lighting->setTileGloss(terrain->getStateSet(), gloss));
+    EXPECT_EQ(said.count("gloss of tile not set: "), 3);
+}
+
 TEST(DynamicTerrain, IsDisplacedWithoutLightToo)
 {
     OTL_NEED_GL(context);

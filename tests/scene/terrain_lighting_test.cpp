@@ -224,13 +224,164 @@ TEST(TerrainLighting, DefaultProgramAddsWhatGlossSendsToTheViewer)
     displaced->apply(picture.state());
     EXPECT_TRUE(displaced->getPCP(picture.state())->isLinked());
 
-    // The shading's unit may not be the gloss's.
+    // Set between update and drawing: computed before it is bound, drawn lit all the same.
+    LightingSettings settings = lighting->getSettings();
+    settings.gloss = 0.6;
+    picture.viewer().advance();
+    picture.viewer().updateTraversal();
+    lighting->setSettings(settings);
+    picture.viewer().renderingTraversals();
+    picture.draw(2);
+    EXPECT_NEAR(picture.redAt(0, 0), expected(0.6, 50.0), 1.5);
+    EXPECT_EQ(said.text(), "");
+    EXPECT_EQ(takeGlErrors(), "");
+
+    // A layer of gloss, 0 in the west and 0.6 with exponent 8 in the east, instead of the
+    // settings'.
+    settings.gloss = 0.0;
+    lighting->setSettings(settings);
+    const auto setLayer = [&](unsigned char east)
+    {
+        const osg::ref_ptr<osg::Image> image = new osg::Image;
+        image->allocateImage(2, 1, 1, GL_RGB, GL_UNSIGNED_BYTE);
+        const std::vector<unsigned char> texels = {0, 0, 0, east, 32, 255};
+        std::copy(texels.begin(), texels.end(), image->data());
+        return image;
+    };
+    const osg::ref_ptr<osgTerrain::ImageLayer> layer = new osgTerrain::ImageLayer(setLayer(153));
+    auto* tile =
+        dynamic_cast<osgTerrain::TerrainTile*>(lighting->getChild(0)->asGroup()->getChild(0));
+    ASSERT_TRUE(tile);
+    tile->setColorLayer(1, layer);
+    lighting->setGlossLayer(1);
+    picture.draw(2);
+    const double west = picture.redAt(-0.5, 0);
+    EXPECT_GT(picture.redAt(0.5, 0), west + 20.0);
+    const osg::ref_ptr<osg::Image> half = setLayer(77);
+    layer->setImage(half);
+    picture.draw(2);
+    const double less = picture.redAt(0.5, 0);
+    EXPECT_GT(less, west + 10.0);
+    lighting->setGlossLayer(2); // which it has not
+    picture.draw(2);
+    EXPECT_NEAR(picture.redAt(0.5, 0), west, 1.5);
+    lighting->setGlossLayer(-1);
+    EXPECT_EQ(said.text(), "");
+    for (const int wrong : {-2, 0, 5})
+        lighting->setGlossLayer(wrong);
+    EXPECT_EQ(lighting->getGlossLayer(), -1);
+    EXPECT_EQ(said.count("gloss layer not set: "), 3);
+    EXPECT_EQ(takeGlErrors(), "");
+}
+
+// Expected: in what order ever they come, the second is refused.
+TEST(TerrainLighting, ShadingAndGlossMayNotHaveTheSameTextureUnit)
+{
+    Said said;
+    osg::ref_ptr<TerrainLighting> lighting = litCone();
+    LightingSettings settings = lighting->getSettings();
+    settings.gloss = 0.5;
     lighting->setTextureUnit(ShadingTexture::glossUnit);
+    lighting->setSettings(settings);
+    EXPECT_EQ(lighting->getSettings().gloss, 0.0);
+    EXPECT_EQ(said.count("settings not set: gloss needs texture unit 5"), 1);
+    lighting->setGlossLayer(1);
+    EXPECT_EQ(lighting->getGlossLayer(), -1);
+    EXPECT_EQ(said.count("gloss layer not set: gloss needs texture unit 5"), 1);
+    lighting->setTextureUnit(4);
+    lighting->setGlossLayer(1);
+    EXPECT_EQ(lighting->getGlossLayer(), 1);
+    lighting->setTextureUnit(ShadingTexture::glossUnit);
+    EXPECT_EQ(lighting->getTextureUnit(), 4u);
+    lighting->setGlossLayer(-1);
+    lighting->setSettings(settings);
+    EXPECT_EQ(lighting->getSettings().gloss, 0.5);
+    lighting->setTextureUnit(ShadingTexture::glossUnit);
+    EXPECT_EQ(lighting->getTextureUnit(), 4u);
+    EXPECT_EQ(said.count("texture unit not set: gloss needs 5"), 2);
+}
+
+TEST(TerrainLighting, GlossWithAMethodThatHasNoneIsSaidOnce)
+{
+    Said said;
+    osg::ref_ptr<TerrainLighting> lighting = litCone();
     LightingSettings settings = lighting->getSettings();
     settings.gloss = 0.5;
     lighting->setSettings(settings);
-    EXPECT_EQ(lighting->getSettings().gloss, 0.0);
-    EXPECT_EQ(said.count("gloss needs texture unit 5"), 1);
+    EXPECT_EQ(said.text(), "");
+    settings.bounceMethod = BounceMethod::Legendre;
+    lighting->setSettings(settings);
+    settings.azimuths = 8;
+    lighting->setSettings(settings);
+    EXPECT_EQ(said.count("gloss has no effect with bounce method legendre: needs slices"), 1);
+}
+
+// Expected: ground in the dark is black, with gloss too, in the default program and in a host's
+// that reads gloss. The host's shows the shading besides, in blue, so that it is seen to be drawn.
+TEST(TerrainLighting, GlossyGroundWithoutLightIsBlack)
+{
+    OTL_NEED_GL(context);
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    SkyLight dark;
+    dark.skyEnabled = false;
+    dark.sunElevation = -20.0;
+    lighting->setSkyLight(dark);
+    osg::ref_ptr<osg::Node> terrain = createTerrain(coneTile());
+    lighting->addChild(terrain);
+    ScenePicture picture(lighting, reach);
+    LightingSettings settings = lighting->getSettings();
+    settings.gloss = 0.5;
+    lighting->setSettings(settings);
+    picture.draw(2);
+    EXPECT_EQ(picture.redAt(0.3, 0.2), 0.0);
+    settings.bounceMethod = BounceMethod::Legendre;
+    lighting->setSettings(settings);
+    picture.draw(2);
+    EXPECT_EQ(picture.redAt(0.3, 0.2), 0.0);
+
+    const osg::ref_ptr<osg::Program> host = new osg::Program;
+    for (const auto type : {osg::Shader::VERTEX, osg::Shader::FRAGMENT})
+        host->addShader(createShadingShader(type, 330));
+    host->addShader(createGlossShader(osg::Shader::FRAGMENT));
+    host->addShader(new osg::Shader(osg::Shader::VERTEX, R"(#version 330 compatibility
+vec2 terrainShadingCoordinate(vec4 source);
+out vec2 place;
+void main()
+{
+    gl_Position = gl_ModelViewProjectionMatrix * gl_Vertex;
+    place = terrainShadingCoordinate(gl_Vertex);
+})"));
+    host->addShader(new osg::Shader(osg::Shader::FRAGMENT, R"(#version 330 compatibility
+vec4 terrainShading(vec2 coordinate);
+vec3 terrainGloss(vec2 coordinate, vec3 toViewer);
+in vec2 place;
+void main()
+{
+    gl_FragColor = vec4(terrainGloss(place, vec3(0.0, 0.0, 1.0)).r, 0.0,
+                        0.5 + 0.5 * terrainShading(place).r, 1.0);
+})"));
+    osg::ref_ptr<TerrainLighting> second = lightingWithoutBudget();
+    second->setSkyLight(dark);
+    settings.bounceMethod = BounceMethod::Slices;
+    second->setSettings(settings);
+    osg::ref_ptr<osg::Node> theirs = createTerrain(coneTile());
+    theirs->getOrCreateStateSet()->setAttribute(host);
+    second->addChild(theirs);
+    ScenePicture hostPicture(second, reach);
+    hostPicture.draw(2);
+    const auto blue = [&]
+    { return int(hostPicture.pixels()[4 * (60 * ScenePicture::size + 70) + 2]); };
+    EXPECT_EQ(hostPicture.redAt(0.3, 0.2), 0.0);
+    EXPECT_NEAR(blue(), 128, 1);
+    second->setSkyLight(whiteSky(0.5f));
+    hostPicture.draw(2);
+    EXPECT_GT(hostPicture.redAt(0.3, 0.2), 20.0);
+    EXPECT_GT(blue(), 140);
+    second->setSkyLight(dark);
+    hostPicture.draw(2);
+    EXPECT_EQ(hostPicture.redAt(0.3, 0.2), 0.0);
+    EXPECT_NEAR(blue(), 128, 1);
+    EXPECT_EQ(takeGlErrors(), "");
 }
 
 TEST(TerrainLighting, AStillSceneDispatchesNothingAndAChangeOnlyWhatItReaches)
@@ -582,6 +733,7 @@ TEST(TerrainLighting, GoesThroughAFileAndBack)
     lighting->setSettings(settings);
     lighting->setLightEnabled(false);
     lighting->setTextureUnit(4);
+    lighting->setGlossLayer(3);
     lighting->setKeysEnabled(true);
     lighting->addChild(createTerrain(coneTile()));
     for (const char* extension : {"osgt", "osgb", "osgx"})
@@ -610,6 +762,7 @@ TEST(TerrainLighting, GoesThroughAFileAndBack)
         EXPECT_FALSE(read->getLightEnabled());
         EXPECT_EQ(read->getTimeBudget(), 0.0);
         EXPECT_EQ(read->getTextureUnit(), 4u);
+        EXPECT_EQ(read->getGlossLayer(), 3);
         EXPECT_EQ(read->getSettings().gloss, 0.25);
         EXPECT_EQ(read->getSettings().glossExponent, 12.0);
         EXPECT_EQ(read->getSettings().glossTransfer, GlossTransfer::Scalar);

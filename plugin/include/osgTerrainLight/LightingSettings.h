@@ -47,6 +47,10 @@ enum class GlossTransfer
     Scalar  ///< what one viewer would see of it: less work, and right for that direction alone
 };
 
+OSGTERRAINLIGHT_EXPORT const char* toString(GlossTransfer transfer);
+/// False where the text is none of vector, scalar; transfer is then unchanged.
+OSGTERRAINLIGHT_EXPORT bool fromString(const std::string& text, GlossTransfer& transfer);
+
 /// Every parameter of the lighting computation that is not the light itself: plain data.
 struct OSGTERRAINLIGHT_EXPORT LightingSettings
 {
@@ -70,8 +74,10 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
     std::array<float, 3> albedo = {0.5f, 0.5f, 0.5f};
     /// What the ground mirrors, 0 … 1: it sends towards a viewer gloss · ∫ lobe · light besides
     /// albedo · irradiance / π, with the Phong lobe (s + 1) / 2π cosˢ about the mirror direction, s
-    /// = glossExponent, 1 … 64. 0: nothing is computed and nothing kept for it. Bounces: by slices
-    /// alone (docs/ARCHITECTURE.md has memory and errors).
+    /// = glossExponent, 1 … 64. 0: nothing is computed and nothing kept for it. With a BounceMethod
+    /// other than Slices it has no effect. Neither it nor albedo is cut where their sum is more
+    /// than 1: such ground sends more than it receives, and bounces need not converge. Per post:
+    /// TerrainLighting::setGlossLayer(). docs/ARCHITECTURE.md has memory and errors.
     double gloss = 0.0;
     double glossExponent = 8.0;
     GlossTransfer glossTransfer = GlossTransfer::Vector;

@@ -9,9 +9,11 @@
 #include <osg/Group>
 #include <osg/StateSet>
 
+#include <array>
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace osgGA
 {
@@ -59,10 +61,17 @@ public:
     void setTimeBudget(double milliseconds);
     double getTimeBudget() const;
 
-    /// Of the shading texture, 0 … 31; not ShadingTexture::glossUnit where the ground is glossy.
-    /// Tiles that are lit already keep theirs.
-    void setTextureUnit(unsigned unit) { _textureUnit = unit; }
+    /// Of the shading texture, 0 … 31. Where the ground is glossy, ShadingTexture::glossUnit is
+    /// refused with a warning. Tiles that are lit already keep theirs.
+    void setTextureUnit(unsigned unit);
     unsigned getTextureUnit() const { return _textureUnit; }
+
+    /// The colour layer of terrain tiles, 1 … 4, that holds gloss per texel instead of the
+    /// settings': a picture over the tile's whole extent, its values linear, bytes too; red =
+    /// gloss, 0 … 1, green = exponent / 64. Tiles that have no such layer keep the settings'.
+    /// −1, the default: no layer. Others are refused with a warning.
+    void setGlossLayer(int layer);
+    int getGlossLayer() const { return _glossLayer; }
 
     /// Whether tiles below that have no shaders, neither of their own nor from above, get a program
     /// that multiplies their colour layer 0 (white where there is none), exposes and encodes to
@@ -84,14 +93,18 @@ public:
     /// Lights terrain whose heights change, drawn below this node; anew when they have. Its
     /// StateSet is what removeTile() takes. Where a program was put on that, this one draws it.
     bool addTile(DynamicTerrain* terrain);
+    /// Gloss, 0 … 1, and exponent, 1 … 64, per post of a tile that addTile() was given, row 0
+    /// south, instead of the settings'; empty: theirs again. False, with a warning, where the
+    /// StateSet is no tile's, or there are not as many values as posts or some beyond those ranges.
+    bool setTileGloss(osg::StateSet* stateSet, const std::vector<std::array<float, 2>>& gloss);
     /// Leaves the StateSet as addTile() found it, a few updates later: frames that are still being
     /// drawn use it.
     void removeTile(osg::StateSet* stateSet);
 
     std::size_t getTileCount() const;
 
-    /// Runs of each stage (heights that change, horizon, sky, sun, shade) since creation, all tiles
-    /// and contexts. A still scene adds none.
+    /// Runs of each stage (heights that change, horizon, table, sky, sun, key, pyramid, shade,
+    /// gloss, bounce, indirect) since creation, all tiles and contexts. A still scene adds none.
     std::map<std::string, unsigned> getDispatchCounts() const;
     unsigned getDispatchCount() const;
 
@@ -110,12 +123,21 @@ protected:
 private:
     class Tiles;
     void applyUniforms();
+    /// Whether some of the ground may be glossy.
+    bool mayBeGlossy() const;
+    /// After a change of that, or of settings.
+    void followGloss();
+    /// Empty where gloss may be switched on, else why not.
+    std::string glossProblem() const;
 
     SkyLight _sky;
     LightingSettings _settings;
     bool _lightEnabled = true;
     bool _defaultProgramEnabled = true;
     unsigned _textureUnit = ShadingTexture::defaultUnit;
+    int _glossLayer = -1;
+    bool _glossBound = false;   ///< `_uniforms` has a texture for tiles that send none
+    bool _glossIgnored = false; ///< by the method, and that has been said
     std::unique_ptr<Tiles> _tiles;
     osg::ref_ptr<osgGA::GUIEventHandler> _keys;
     osg::ref_ptr<osg::StateSet> _uniforms; ///< on all below

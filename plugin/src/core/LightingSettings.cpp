@@ -57,6 +57,22 @@ bool fromString(const std::string& text, BounceMethod& method)
     return false;
 }
 
+const char* toString(GlossTransfer transfer)
+{
+    return transfer == GlossTransfer::Scalar ? "scalar" : "vector";
+}
+
+bool fromString(const std::string& text, GlossTransfer& transfer)
+{
+    for (GlossTransfer t : {GlossTransfer::Vector, GlossTransfer::Scalar})
+        if (text == toString(t))
+        {
+            transfer = t;
+            return true;
+        }
+    return false;
+}
+
 const std::vector<ParameterRange>& ParameterRange::all()
 {
     static const std::vector<ParameterRange> table = {

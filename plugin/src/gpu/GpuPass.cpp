@@ -32,8 +32,6 @@ void GpuPass::reads(const std::string& uniform, osg::Texture* texture)
             input.texture = texture;
             return;
         }
-    if (!texture)
-        return;
     set(uniform, static_cast<int>(_inputs.size()));
     _inputs.push_back({uniform, texture});
 }

@@ -35,7 +35,8 @@ public:
     void setDefines(std::vector<std::string> defines);
 
     /// Declares that sampler `uniform` reads `texture`. Texture units are counted up from 0. Null:
-    /// the variant has no such sampler, and what it read before is let go.
+    /// the variant has no such sampler or does not read it, and what it read before is let go. Its
+    /// unit remains: OpenGL forbids two types of sampler in one.
     void reads(const std::string& uniform, osg::Texture* texture);
 
     enum class Access

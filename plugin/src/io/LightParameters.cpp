@@ -184,7 +184,8 @@ std::vector<std::string> lightParameterNames()
     std::vector<std::string> names;
     for (const ParameterRange& range : ParameterRange::all())
         names.push_back(underscored(range.name));
-    names.insert(names.end(), {"quality", "bounce_method", "light", "sky_harmonics", "key_lights"});
+    names.insert(names.end(), {"quality", "bounce_method", "gloss_transfer", "light",
+                               "sky_harmonics", "key_lights"});
     return names;
 }
 
@@ -199,6 +200,10 @@ Status setLightParameter(LightParameters& parameters, const std::string& name,
         return fromString(value, parameters.settings.bounceMethod)
                    ? Status(Nothing{})
                    : Status(refused(name, value, "slices, legendre or legendre-bspline"));
+    if (name == "gloss_transfer")
+        return fromString(value, parameters.settings.glossTransfer)
+                   ? Status(Nothing{})
+                   : Status(refused(name, value, "vector or scalar"));
     if (name == "light")
     {
         if (value != "off" && value != "sky" && value != "sun" && value != "both")

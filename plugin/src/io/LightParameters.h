@@ -20,8 +20,8 @@ struct LightParameters
 };
 
 /// Names, for messages and documentation: those of ParameterRange with '_' for '-', then
-/// "quality" (draft, normal, best), "bounce_method", "light" (off, sky, sun, both), "sky_harmonics"
-/// and "key_lights".
+/// "quality" (draft, normal, best), "bounce_method", "gloss_transfer", "light" (off, sky, sun,
+/// both), "sky_harmonics" and "key_lights".
 OSGTERRAINLIGHT_EXPORT std::vector<std::string> lightParameterNames();
 
 /// Sets one parameter. Colours are one number or three, separated by blanks or commas.

@@ -89,12 +89,13 @@ public:
                 c = c == '_' ? '-' : c;
             range = ParameterRange::find(dashed);
             supportsOption(name + "=VALUE",
-                           range                     ? range->meaning
-                           : name == "light"         ? "off, sky, sun or both"
-                           : name == "bounce_method" ? "slices, legendre or legendre-bspline"
-                           : name == "sky_harmonics" ? "of the sky, 1, 4, 9 or 16 coefficients"
-                           : name == "key_lights"    ? "AZIMUTH,WIDTH,LOWEST,HIGHEST,R,G,B;..."
-                                                     : "draft, normal or best");
+                           range                      ? range->meaning
+                           : name == "light"          ? "off, sky, sun or both"
+                           : name == "bounce_method"  ? "slices, legendre or legendre-bspline"
+                           : name == "gloss_transfer" ? "vector or scalar"
+                           : name == "sky_harmonics"  ? "of the sky, 1, 4, 9 or 16 coefficients"
+                           : name == "key_lights"     ? "AZIMUTH,WIDTH,LOWEST,HIGHEST,R,G,B;..."
+                                                      : "draft, normal or best");
         }
         supportsOption("cell_size=METRES", "between posts of a raster without geotransform");
     }

@@ -197,4 +197,5 @@ REGISTER_OBJECT_WRAPPER(osgTerrainLight_TerrainLighting, new osgTerrainLight::Te
     ADD_UINT_SERIALIZER(TextureUnit, osgTerrainLight::ShadingTexture::defaultUnit);
     ADD_BOOL_SERIALIZER(DefaultProgramEnabled, true);
     ADD_BOOL_SERIALIZER(KeysEnabled, false);
+    ADD_INT_SERIALIZER(GlossLayer, -1);
 }

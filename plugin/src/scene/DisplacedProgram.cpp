@@ -16,7 +16,7 @@ DisplacedProgram::DisplacedProgram(const TileSet* tiles, const LitTile* tile)
 void DisplacedProgram::apply(osg::State& state) const
 {
     const bool lit = _lit && _tiles->isLit(*_tile, state.getContextID());
-    const osg::Program& program = !lit ? *_unlit : _tiles->glossy ? *_glossy : *_lit;
+    const osg::Program& program = !lit ? *_unlit : _tile->glossy ? *_glossy : *_lit;
     program.apply(state);
     if (_tiles && !program.getPCP(state)->isLinked())
         _tiles->programFailed(whyNotLinked(program, state));
@@ -30,7 +30,7 @@ int DisplacedProgram::compare(const osg::StateAttribute& other) const
 
 void DisplacedProgram::compileGLObjects(osg::State& state) const
 {
-    for (const auto& program : {_lit, _unlit})
+    for (const auto& program : {_tile && _tile->glossy ? _glossy : _lit, _unlit})
         if (program)
             program->compileGLObjects(state);
 }

@@ -7,8 +7,8 @@
 namespace osgTerrainLight
 {
 
-/// The program of a DynamicTerrain, which must be displaced with and without light: one of two,
-/// chosen per context.
+/// The program of a DynamicTerrain, which must be displaced with light, with gloss besides, and
+/// without: one of three, chosen per context.
 class DisplacedProgram : public osg::Program
 {
 public:

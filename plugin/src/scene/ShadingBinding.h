@@ -29,6 +29,7 @@ public:
     ShadingBinding& operator=(const ShadingBinding&) = delete;
 
     osg::StateSet* stateSet() const { return _stateSet.get(); }
+    unsigned unit() const { return _shading.unit; } ///< of the shading
 
     /// What the StateSet was if the caller has made it DYNAMIC.
     void setTheirVariance(osg::Object::DataVariance variance) { _theirVariance = variance; }

@@ -61,6 +61,23 @@ std::string nameOf(const osgTerrain::TerrainTile& tile)
            std::to_string(id.y);
 }
 
+/// Of ground that sends nothing by gloss: as GlossPass' light, of one texel.
+osg::ref_ptr<osg::Texture2DArray> createNoGloss()
+{
+    osg::ref_ptr<osg::Texture2DArray> dark = new osg::Texture2DArray;
+    dark->setTextureSize(1, 1, GlossPass::layers);
+    for (unsigned layer = 0; layer < GlossPass::layers; ++layer)
+    {
+        osg::ref_ptr<osg::Image> texel = new osg::Image;
+        texel->allocateImage(1, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE);
+        std::fill_n(texel->data(), texel->getTotalSizeInBytes(), static_cast<unsigned char>(0));
+        dark->setImage(layer, texel);
+    }
+    dark->setFilter(osg::Texture::MIN_FILTER, osg::Texture::NEAREST);
+    dark->setFilter(osg::Texture::MAG_FILTER, osg::Texture::NEAREST);
+    return dark;
+}
+
 /// Runs the tiles' compute stages when drawn.
 class ComputeDrawable : public osg::Drawable
 {
@@ -205,6 +222,8 @@ public:
         {
             if (entry.lit.binding)
                 entry.lit.binding->setHasColour(hasColour(*tile));
+            if (entry.lit.tile)
+                followGlossLayer(*tile, entry.lit);
             followGloss(entry.lit);
             if (entry.lit.tile && _owner._settings.bounces > 0)
                 followAlbedo(*tile, entry.lit);
@@ -247,6 +266,43 @@ public:
         return true;
     }
 
+    bool setGloss(osg::StateSet* stateSet, const std::vector<std::array<float, 2>>& gloss)
+    {
+        const auto found = _added.find(stateSet);
+        if (found == _added.end())
+            return false;
+        TileLighting& lighting = found->second.tile->lighting();
+        Raster<std::array<float, 2>> posts;
+        if (!gloss.empty())
+            posts = Raster<std::array<float, 2>>(lighting.width(), lighting.height());
+        if (gloss.size() != posts.size())
+            return false;
+        for (const auto& [mirrored, exponent] : gloss)
+            if (!(mirrored >= 0.0f && mirrored <= 1.0f && exponent >= 1.0f && exponent <= 64.0f))
+                return false;
+        posts.values() = gloss;
+        found->second.hasGloss = !gloss.empty();
+        lighting.setGloss(std::move(posts));
+        set->touch();
+        return true;
+    }
+    bool hasGloss() const
+    {
+        return std::any_of(_added.begin(), _added.end(),
+                           [](const auto& added) { return added.second.hasGloss; });
+    }
+
+    /// Whether a tile's shading is in the unit.
+    bool uses(unsigned unit) const
+    {
+        const auto has = [unit](const Lit& lit)
+        { return lit.binding && lit.binding->unit() == unit; };
+        return std::any_of(_added.begin(), _added.end(),
+                           [&](const auto& added) { return has(added.second); }) ||
+               std::any_of(_found.begin(), _found.end(),
+                           [&](const auto& found) { return has(found.second.lit); });
+    }
+
     void remove(osg::StateSet* stateSet)
     {
         const auto found = _added.find(stateSet);
@@ -271,6 +327,7 @@ public:
 
     osg::ref_ptr<TileSet> set;
     osg::ref_ptr<osg::Camera> camera;
+    osg::ref_ptr<osg::Texture2DArray> noGloss; ///< null until some of the ground may be glossy
     mutable std::atomic<bool> structureChanged{true};
 
 private:
@@ -283,6 +340,9 @@ private:
         unsigned heightRevision = 0;
         osg::ref_ptr<const osg::Image> colours; ///< that its albedo was read from
         unsigned coloursVersion = 0;
+        osg::ref_ptr<const osg::Image> glossPicture; ///< that its gloss was read from
+        unsigned glossVersion = 0;
+        bool hasGloss = false; ///< of setTileGloss()
     };
     struct Entry
     {
@@ -318,8 +378,8 @@ private:
         osg::ref_ptr<osg::Program> program;
         if (withProgram)
         {
-            if (!set->program())
-                set->setProgram(createDefaultProgram(set->glossy));
+            if (!set->program(false))
+                set->setPrograms(createDefaultProgram(false), createDefaultProgram(true));
             program = new TileProgram(set, lit.tile);
         }
         bind(lit, stateSet, coordinates, program.get());
@@ -330,6 +390,7 @@ private:
     {
         lit.binding = std::make_shared<ShadingBinding>(stateSet, lit.tile->lighting().shading(),
                                                        _owner._textureUnit, coordinates, program);
+        followGloss(lit);
     }
 
     /// Binds light sent by gloss where there is now some. Until it is computed the tile waits.
@@ -341,6 +402,7 @@ private:
         if (light == lit.binding->gloss())
             return;
         lit.binding->setGloss(light);
+        lit.tile->glossy = light.valid();
         if (light)
         {
             lit.tile->forget(~0u);
@@ -387,8 +449,8 @@ private:
         if (shaders == _shaders)
             return;
         _shaders = shaders;
-        if (set->program())
-            set->setProgram(createDefaultProgram(set->glossy));
+        if (set->program(false))
+            set->setPrograms(createDefaultProgram(false), createDefaultProgram(true));
         forEach(
             [](LitTile& tile)
             {
@@ -463,7 +525,7 @@ private:
     /// Reads a colour layer that is new or has changed: its colours are what bounces.
     void followAlbedo(const osgTerrain::TerrainTile& tile, Lit& lit)
     {
-        const osg::Image* image = hasColour(tile) ? tile.getColorLayer(0)->getImage() : nullptr;
+        const osg::Image* image = pictureOf(tile, 0);
         const unsigned version = image ? image->getModifiedCount() : 0;
         if (lit.colours == image && lit.coloursVersion == version)
             return;
@@ -471,6 +533,21 @@ private:
         lit.coloursVersion = version;
         TileLighting& lighting = lit.tile->lighting();
         lighting.setAlbedo(readTerrainAlbedo(tile, lighting.width(), lighting.height()));
+        set->touch();
+    }
+
+    /// The same of the layer that holds gloss.
+    void followGlossLayer(const osgTerrain::TerrainTile& tile, Lit& lit)
+    {
+        const osg::Image* image = pictureOf(tile, _owner._glossLayer);
+        const unsigned version = image ? image->getModifiedCount() : 0;
+        if (lit.glossPicture == image && lit.glossVersion == version)
+            return;
+        lit.glossPicture = image;
+        lit.glossVersion = version;
+        TileLighting& lighting = lit.tile->lighting();
+        lighting.setGloss(
+            readTerrainGloss(tile, _owner._glossLayer, lighting.width(), lighting.height()));
         set->touch();
     }
 
@@ -578,11 +655,10 @@ TerrainLighting::TerrainLighting() : _tiles(new Tiles(*this))
 TerrainLighting::TerrainLighting(const TerrainLighting& other, const osg::CopyOp& copyop)
     : osg::Group(other, copyop), _sky(other._sky), _settings(other._settings),
       _defaultProgramEnabled(other._defaultProgramEnabled), _textureUnit(other._textureUnit),
-      _tiles(new Tiles(*this))
+      _glossLayer(other._glossLayer), _glossIgnored(other._glossIgnored), _tiles(new Tiles(*this))
 {
     setNumChildrenRequiringUpdateTraversal(getNumChildrenRequiringUpdateTraversal() + 1);
     applyUniforms();
-    _tiles->set->glossy = _settings.gloss > 0.0;
     setLightEnabled(other._lightEnabled);
     setTimeBudget(other.getTimeBudget());
     setKeysEnabled(other.getKeysEnabled());
@@ -606,25 +682,18 @@ void TerrainLighting::setSkyLight(const SkyLight& sky)
 void TerrainLighting::setSettings(const LightingSettings& settings)
 {
     std::string problem = complaint(settings);
-    if (problem.empty() && settings.gloss > 0.0 && _textureUnit == ShadingTexture::glossUnit)
-        problem = "gloss needs texture unit " + std::to_string(_textureUnit) +
-                  ", which setTextureUnit() gave to the shading";
+    if (problem.empty() && settings.gloss > 0.0)
+        problem = glossProblem();
     if (!problem.empty())
     {
         warn("settings not set: " + problem);
         return;
     }
     const bool brightness = settings.exposure != _settings.exposure;
-    const bool glossy = settings.gloss > 0.0;
     _settings = settings;
+    followGloss();
     if (brightness)
         applyUniforms();
-    if (glossy != _tiles->set->glossy)
-    {
-        _tiles->set->glossy = glossy;
-        if (_tiles->set->program())
-            _tiles->set->setProgram(createDefaultProgram(glossy));
-    }
     _tiles->forEach(
         [&](LitTile& tile)
         {
@@ -632,6 +701,68 @@ void TerrainLighting::setSettings(const LightingSettings& settings)
             tile.retry();
         });
     _tiles->set->touch();
+}
+
+void TerrainLighting::setTextureUnit(unsigned unit)
+{
+    if (unit == ShadingTexture::glossUnit && mayBeGlossy())
+        warn("texture unit not set: gloss needs " + std::to_string(unit));
+    else
+        _textureUnit = unit;
+}
+
+void TerrainLighting::setGlossLayer(int layer)
+{
+    std::string problem = layer < 0 ? "" : glossProblem();
+    if (layer != -1 && (layer < 1 || layer > 4))
+        problem = std::to_string(layer) + ": needs 1 ... 4, or -1 for none";
+    if (!problem.empty())
+    {
+        warn("gloss layer not set: " + problem);
+        return;
+    }
+    _glossLayer = layer;
+    followGloss();
+}
+
+bool TerrainLighting::setTileGloss(osg::StateSet* stateSet,
+                                   const std::vector<std::array<float, 2>>& gloss)
+{
+    const std::string problem = gloss.empty() ? "" : glossProblem();
+    const bool done = problem.empty() && _tiles->setGloss(stateSet, gloss);
+    if (!done)
+        warn("gloss of tile not set: " +
+             (problem.empty() ? "needs the StateSet of a tile that was added, and a pair per post "
+                                "of gloss, 0 ... 1, and exponent, 1 ... 64"
+                              : problem));
+    followGloss();
+    return done;
+}
+
+bool TerrainLighting::mayBeGlossy() const
+{
+    return _settings.gloss > 0.0 || _glossLayer >= 0 || _tiles->hasGloss();
+}
+
+std::string TerrainLighting::glossProblem() const
+{
+    constexpr unsigned unit = ShadingTexture::glossUnit;
+    return _textureUnit == unit || _tiles->uses(unit)
+               ? "gloss needs texture unit " + std::to_string(unit) +
+                     ", which setTextureUnit() gave to the shading"
+               : "";
+}
+
+void TerrainLighting::followGloss()
+{
+    const bool glossy = mayBeGlossy();
+    const bool ignored = glossy && _settings.bounceMethod != BounceMethod::Slices;
+    if (ignored && !_glossIgnored)
+        warn(std::string("gloss has no effect with bounce method ") +
+             toString(_settings.bounceMethod) + ": needs slices");
+    _glossIgnored = ignored;
+    if (glossy != _glossBound)
+        applyUniforms();
 }
 
 void TerrainLighting::applyUniforms()
@@ -652,6 +783,12 @@ void TerrainLighting::applyUniforms()
                : osg::Vec3f()));
     _uniforms->addUniform(new osg::Uniform(ShadingTexture::glossSampler,
                                            static_cast<int>(ShadingTexture::glossUnit)));
+    // Where there is no light, tiles send none: shaders of hosts must find that.
+    _glossBound = mayBeGlossy();
+    if (_glossBound && !_tiles->noGloss)
+        _tiles->noGloss = createNoGloss();
+    if (_glossBound)
+        _uniforms->setTextureAttribute(ShadingTexture::glossUnit, _tiles->noGloss);
 }
 
 void TerrainLighting::setLightEnabled(bool enabled)
@@ -775,6 +912,8 @@ void TerrainLighting::releaseGLObjects(osg::State* state) const
     _tiles->forEach([&](LitTile& tile) { tile.lighting().releaseGLObjects(state); });
     _tiles->set->forget(state ? state->getContextID() : ~0u);
     _tiles->camera->releaseGLObjects(state);
+    if (_tiles->noGloss)
+        _tiles->noGloss->releaseGLObjects(state);
 }
 
 void TerrainLighting::resizeGLObjectBuffers(unsigned size)
@@ -796,6 +935,8 @@ void TerrainLighting::resizeGLObjectBuffers(unsigned size)
     osg::Group::traverse(resizer);
     _tiles->forEach([&](LitTile& tile) { tile.lighting().resizeGLObjectBuffers(size); });
     _tiles->camera->resizeGLObjectBuffers(size);
+    if (_tiles->noGloss)
+        _tiles->noGloss->resizeGLObjectBuffers(size);
 }
 
 } // namespace osgTerrainLight

@@ -241,43 +241,76 @@ void addTileCoordinates(const osgTerrain::TerrainTile& tile, const std::vector<T
     }
 }
 
-bool hasColour(const osgTerrain::TerrainTile& tile)
+const osg::Image* pictureOf(const osgTerrain::TerrainTile& tile, int layer)
 {
-    const osgTerrain::Layer* layer = tile.getNumColorLayers() > 0 ? tile.getColorLayer(0) : nullptr;
+    const bool exists = layer >= 0 && static_cast<unsigned>(layer) < tile.getNumColorLayers();
+    const osgTerrain::Layer* found =
+        exists ? tile.getColorLayer(static_cast<unsigned>(layer)) : nullptr;
     // A contour layer's image is a ramp of colours over height, not a picture.
-    return layer && layer->getImage() && !dynamic_cast<const osgTerrain::ContourLayer*>(layer);
+    return found && !dynamic_cast<const osgTerrain::ContourLayer*>(found) ? found->getImage()
+                                                                          : nullptr;
 }
 
-Raster<Rgb> readTerrainAlbedo(const osgTerrain::TerrainTile& tile, int width, int height)
+bool hasColour(const osgTerrain::TerrainTile& tile)
 {
-    if (!hasColour(tile))
-        return {};
-    const osg::Image& image = *tile.getColorLayer(0)->getImage();
+    return pictureOf(tile, 0) != nullptr;
+}
+
+namespace
+{
+/// A value per post from the colour, 0 … 1, of the layer's nearest texel; empty where it cannot be
+/// read.
+template <class T, class F>
+Raster<T> readPosts(const osgTerrain::TerrainTile& tile, int layer, int width, int height,
+                    F&& valueOf)
+{
+    const osg::Image* image = pictureOf(tile, layer);
     // osg::Image reads all others as white.
     const GLenum readable[] = {
         GL_RGB, GL_RGBA, GL_BGR, GL_BGRA, GL_LUMINANCE, GL_LUMINANCE_ALPHA, GL_INTENSITY};
-    if (!image.data() || image.s() < 1 || image.t() < 1 ||
-        std::find(std::begin(readable), std::end(readable), image.getPixelFormat()) ==
+    if (!image || !image->data() || image->s() < 1 || image->t() < 1 ||
+        std::find(std::begin(readable), std::end(readable), image->getPixelFormat()) ==
             std::end(readable))
         return {};
-    const bool encoded = image.getDataType() == GL_UNSIGNED_BYTE;
-    Raster<Rgb> albedo(width, height);
+    const bool bytes = image->getDataType() == GL_UNSIGNED_BYTE;
+    Raster<T> posts(width, height);
     for (int row = 0; row < height; ++row)
         for (int column = 0; column < width; ++column)
         {
             // Of the image's texels the outermost reach to the tile's edges.
-            const auto texel = [](int post, int posts, int texels)
-            { return std::min(texels - 1, (2 * post + 1) * texels / (2 * posts)); };
-            const osg::Vec4 colour =
-                image.getColor(static_cast<unsigned>(texel(column, width, image.s())),
-                               static_cast<unsigned>(texel(row, height, image.t())));
-            for (std::size_t c = 0; c < 3; ++c)
-            {
-                const float value = std::clamp(colour[static_cast<unsigned>(c)], 0.0f, 1.0f);
-                albedo.at(column, row)[c] = encoded ? linearOfSrgb(value) : value;
-            }
+            const auto texel = [](int post, int count, int texels)
+            { return std::min(texels - 1, (2 * post + 1) * texels / (2 * count)); };
+            osg::Vec4 colour =
+                image->getColor(static_cast<unsigned>(texel(column, width, image->s())),
+                                static_cast<unsigned>(texel(row, height, image->t())));
+            for (unsigned c = 0; c < 3; ++c)
+                colour[c] = std::clamp(colour[c], 0.0f, 1.0f);
+            posts.at(column, row) = valueOf(colour, bytes);
         }
-    return albedo;
+    return posts;
+}
+} // namespace
+
+Raster<Rgb> readTerrainAlbedo(const osgTerrain::TerrainTile& tile, int width, int height)
+{
+    return readPosts<Rgb>(tile, 0, width, height,
+                          [](const osg::Vec4& colour, bool encoded)
+                          {
+                              Rgb albedo{};
+                              for (unsigned c = 0; c < 3; ++c)
+                                  albedo[c] = encoded ? linearOfSrgb(colour[c]) : colour[c];
+                              return albedo;
+                          });
+}
+
+Raster<std::array<float, 2>> readTerrainGloss(const osgTerrain::TerrainTile& tile, int layer,
+                                              int width, int height)
+{
+    return readPosts<std::array<float, 2>>(
+        tile, layer, width, height,
+        [](const osg::Vec4& colour, bool) {
+            return std::array<float, 2>{colour.r(), std::max(1.0f, 64.0f * colour.g())};
+        });
 }
 
 } // namespace osgTerrainLight

@@ -8,9 +8,11 @@
 #include <osgTerrainLight/SkyLight.h>
 
 #include <osg/Geometry>
+#include <osg/Image>
 #include <osg/Referenced>
 #include <osgTerrain/TerrainTile>
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -45,6 +47,15 @@ OSGTERRAINLIGHT_EXPORT Result<DemTile> readTerrainTile(osgTerrain::TerrainTile& 
 /// bytes sRGB. Empty where it has none, one that is no picture, or one compressed for the GPU.
 OSGTERRAINLIGHT_EXPORT Raster<Rgb> readTerrainAlbedo(const osgTerrain::TerrainTile& tile, int width,
                                                      int height);
+
+/// Gloss and exponent per post from a colour layer (TerrainLighting::setGlossLayer()): a picture
+/// over the tile's whole extent, its values linear. Empty where the tile has no such layer, one
+/// that is no picture, or one compressed for the GPU.
+OSGTERRAINLIGHT_EXPORT Raster<std::array<float, 2>>
+readTerrainGloss(const osgTerrain::TerrainTile& tile, int layer, int width, int height);
+
+/// The picture of a colour layer; null where there is none.
+OSGTERRAINLIGHT_EXPORT const osg::Image* pictureOf(const osgTerrain::TerrainTile& tile, int layer);
 
 /// True where the first colour layer is a picture.
 OSGTERRAINLIGHT_EXPORT bool hasColour(const osgTerrain::TerrainTile& tile);

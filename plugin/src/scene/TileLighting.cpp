@@ -429,7 +429,7 @@ PassChain::Turn TileLighting::bounceTurn(unsigned contextID)
     Pace& pace = _paces[contextID];
     ++pace.updates;
     const unsigned interval = static_cast<unsigned>(_settings.bounceInterval);
-    pace.waits = !pace.due && (pace.updates + _turn) % interval != 0;
+    pace.waits = sumNeeded() && !pace.due && (pace.updates + _turn) % interval != 0;
     pace.due = false;
     return pace.waits ? PassChain::Turn::Wait : PassChain::Turn::Run;
 }

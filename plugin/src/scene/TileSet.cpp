@@ -104,17 +104,17 @@ void TileSet::forget(unsigned context)
         _contexts.erase(context);
 }
 
-void TileSet::setProgram(osg::Program* program)
+void TileSet::setPrograms(osg::Program* plain, osg::Program* glossy)
 {
     Lock lock(_mutex);
-    _programs.emplace_back(program);
+    _programs.push_back({plain, glossy});
     _programFailure.clear();
 }
 
-osg::ref_ptr<osg::Program> TileSet::program() const
+osg::ref_ptr<osg::Program> TileSet::program(bool glossy) const
 {
     Lock lock(_mutex);
-    return _programs.empty() ? nullptr : _programs.back();
+    return _programs.empty() ? nullptr : _programs.back()[glossy ? 1 : 0];
 }
 
 bool TileSet::isDone(unsigned context) const
@@ -184,7 +184,10 @@ void TileSet::compute(osg::State& state)
     for (; i < tiles.size(); ++i)
     {
         LitTile& tile = *tiles[(first + i) % tiles.size()];
-        if (tile.stage(id) == LitTile::Stage::Failed || !tile.lighting().isDirty(id))
+        const LitTile::Stage stage = tile.stage(id);
+        // What waits may have been computed before a texture of it was bound.
+        if (stage == LitTile::Stage::Failed ||
+            (stage == LitTile::Stage::Lit && !tile.lighting().isDirty(id)))
             continue;
         const double spent =
             std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -217,14 +220,14 @@ void TileSet::compute(osg::State& state)
 
 TileProgram::TileProgram(const TileSet* tiles, const LitTile* tile) : _tiles(tiles), _tile(tile)
 {
-    setName(tiles->program()->getName());
+    setName(tiles->program(false)->getName());
 }
 
 void TileProgram::apply(osg::State& state) const
 {
     if (_tiles->isLit(*_tile, state.getContextID()))
     {
-        const osg::ref_ptr<osg::Program> program = _tiles->program();
+        const osg::ref_ptr<osg::Program> program = _tiles->program(_tile->glossy);
         program->apply(state);
         if (!program->getPCP(state)->isLinked())
             _tiles->programFailed(whyNotLinked(*program, state));
@@ -244,19 +247,21 @@ int TileProgram::compare(const osg::StateAttribute& other) const
 
 void TileProgram::compileGLObjects(osg::State& state) const
 {
-    _tiles->program()->compileGLObjects(state);
+    _tiles->program(_tile->glossy)->compileGLObjects(state);
 }
 
 void TileProgram::releaseGLObjects(osg::State* state) const
 {
     osg::Program::releaseGLObjects(state);
-    _tiles->program()->releaseGLObjects(state);
+    for (const bool glossy : {false, true})
+        _tiles->program(glossy)->releaseGLObjects(state);
 }
 
 void TileProgram::resizeGLObjectBuffers(unsigned size)
 {
     osg::Program::resizeGLObjectBuffers(size);
-    _tiles->program()->resizeGLObjectBuffers(size);
+    for (const bool glossy : {false, true})
+        _tiles->program(glossy)->resizeGLObjectBuffers(size);
 }
 
 } // namespace osgTerrainLight

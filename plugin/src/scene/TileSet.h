@@ -6,6 +6,7 @@
 #include <osg/Referenced>
 #include <osg/RenderInfo>
 
+#include <array>
 #include <atomic>
 #include <map>
 #include <mutex>
@@ -42,6 +43,9 @@ public:
     /// What failed may be tried again.
     void retry();
 
+    /// Light sent by gloss is bound to its StateSet, so that programs may read it.
+    std::atomic<bool> glossy{false};
+
 private:
     ~LitTile() override = default;
     std::string _name;
@@ -62,12 +66,13 @@ public:
     void touch() { ++_revision; }
     void forget(unsigned context);
 
-    /// The default program of all tiles. Earlier ones are kept: draws may be using them.
-    void setProgram(osg::Program* program);
-    osg::ref_ptr<osg::Program> program() const;
+    /// The default programs of all tiles: of those that are not glossy, and of those that are.
+    /// Earlier ones are kept: draws may be using them.
+    void setPrograms(osg::Program* plain, osg::Program* glossy);
+    /// Null before setPrograms().
+    osg::ref_ptr<osg::Program> program(bool glossy) const;
 
     std::atomic<bool> enabled{true};
-    std::atomic<bool> glossy{false};  ///< programs add light sent by gloss
     std::atomic<double> budget{50.0}; ///< [ms] per frame; 0: no limit
 
     /// Whether tile may be drawn with its shading.
@@ -102,7 +107,8 @@ private:
     std::vector<osg::ref_ptr<LitTile>> _tiles;
     std::map<unsigned, Context> _contexts;
     std::atomic<unsigned> _revision{1};
-    std::vector<osg::ref_ptr<osg::Program>> _programs; ///< more than one where shaders are edited
+    /// Plain, glossy; more than one pair where shaders are edited.
+    std::vector<std::array<osg::ref_ptr<osg::Program>, 2>> _programs;
     std::string _unsupported;
     mutable std::string _programFailure;
 };
@@ -110,12 +116,13 @@ private:
 /// A sentence about a program that did not link in the state's context.
 std::string whyNotLinked(const osg::Program& program, osg::State& state);
 
-/// Stands for the tiles' program where its tile is lit in the context, and for none where it is
-/// not: the host scene then draws as if nothing had been installed.
+/// Stands for the tiles' program, plain or glossy as its tile is, where its tile is lit in the
+/// context, and for none where it is not: the host scene then draws as if nothing had been
+/// installed.
 class TileProgram : public osg::Program
 {
 public:
-    /// Precondition: tiles have a program.
+    /// Precondition: tiles have programs.
     TileProgram(const TileSet* tiles, const LitTile* tile);
 
     void apply(osg::State& state) const override;
