@@ -76,7 +76,8 @@ TEST(Plugin, TakesOptions)
 {
     auto result = read(dem + ".terrainlight",
                        "sun_azimuth=120 sun_elevation=12.5 azimuths=16 quality=draft exposure=-1 "
-                       "light=sun sun_irradiance=1,2,3 sky_radiance=0.5 bounce_interval=4");
+                       "light=sun sun_irradiance=1,2,3 sky_radiance=0.5 bounce_interval=4 "
+                       "gloss=0.5 gloss_transfer=scalar");
     TerrainLighting* lighting = lightingOf(result);
     ASSERT_TRUE(lighting) << result.message();
     EXPECT_EQ(lighting->getSkyLight().sunAzimuth, 120.0);
@@ -88,6 +89,8 @@ TEST(Plugin, TakesOptions)
     EXPECT_EQ(lighting->getSettings().quality, HorizonQuality::Draft);
     EXPECT_EQ(lighting->getSettings().exposure, -1.0);
     EXPECT_EQ(lighting->getSettings().bounceInterval, 4);
+    EXPECT_EQ(lighting->getSettings().gloss, 0.5);
+    EXPECT_EQ(lighting->getSettings().glossTransfer, GlossTransfer::Scalar);
     auto lights = read(dem + ".terrainlight", "key_lights=300,30,20,50,6,4,2;80,60,-10,10 "
                                               "sky_harmonics=1,0,0.5,0");
     lighting = lightingOf(lights);
