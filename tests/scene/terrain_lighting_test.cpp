@@ -400,8 +400,7 @@ TEST(TerrainLighting, AStillSceneDispatchesNothingAndAChangeOnlyWhatItReaches)
                               {"shade", 1},
                               {"gloss", 0},
                               {"pyramid", 0},
-                              {"bounce", 0},
-                              {"indirect", 0}}));
+                              {"bounce", 0}}));
     picture.draw(20);
     EXPECT_EQ(lighting->getDispatchCounts(), counts);
 
