@@ -400,8 +400,8 @@ TEST(DynamicHeights, AChangeRunsEachStageOnceAndNoChangeNone)
         for (std::size_t i = 1; i < costs.size(); ++i)
         {
             // Of a light or a surface that is not there: none, ever.
-            const unsigned before = still[i - 1].dispatches;
-            EXPECT_EQ(costs[i].dispatches, before > 0 ? before + round : 0) << costs[i].name;
+            const unsigned runs = still[i - 1].dispatches;
+            EXPECT_EQ(costs[i].dispatches, runs > 0 ? runs + round : 0) << costs[i].name;
         }
     }
     EXPECT_EQ(lighting->bytes(), before + 9 * 9 * 4) << "the posts, for the upload";
