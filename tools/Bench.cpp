@@ -287,21 +287,21 @@ Status measure(const Gpu& gpu, const DemTile& tile, const Truth& truth, const Sk
     }
     if (row.skipped.empty())
     {
-        std::vector<StageCost> costs = lighting->costs();
-        if (row.settings.bounces == 0)
-            costs.erase(std::remove_if(costs.begin(), costs.end(),
-                                       [](const StageCost& cost)
-                                       { return cost.name == "pyramid" || cost.name == "bounce"; }),
-                        costs.end());
-        times.byStage.resize(costs.size());
-        stages.clear();
+        // What the bench's light has; the others do not run.
+        stages = {"horizon", "sky", "sun", "shade"};
+        if (row.settings.bounces > 0)
+            stages.insert(stages.end(), {"pyramid", "bounce"});
+        times.byStage.resize(stages.size());
         times.wall.push_back(took.count());
         times.gpu.push_back(0.0);
-        for (std::size_t i = 0; i < costs.size(); ++i)
+        for (const StageCost& cost : lighting->costs())
         {
-            stages.push_back(costs[i].name);
-            times.byStage[i].push_back(costs[i].gpuMilliseconds);
-            times.gpu.back() += costs[i].gpuMilliseconds;
+            const auto stage = std::find(stages.begin(), stages.end(), cost.name);
+            if (stage == stages.end())
+                continue;
+            times.byStage[static_cast<std::size_t>(stage - stages.begin())].push_back(
+                cost.gpuMilliseconds);
+            times.gpu.back() += cost.gpuMilliseconds;
         }
     }
     row.bytes = lighting->bytes();
