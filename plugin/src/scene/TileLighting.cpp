@@ -212,9 +212,11 @@ void TileLighting::setSettings(const LightingSettings& settings)
     }
     if (settings.bounceInterval != _settings.bounceInterval)
         _chain.touch(_bounceValue);
-    if (settings.gloss != _settings.gloss || settings.glossExponent != _settings.glossExponent ||
+    const bool otherGloss =
+        settings.gloss != _settings.gloss || settings.glossExponent != _settings.glossExponent ||
         settings.glossTransfer != _settings.glossTransfer ||
-        settings.glossViewer != _settings.glossViewer || settings.bounces != _settings.bounces)
+        settings.glossViewer != _settings.glossViewer || settings.bounces != _settings.bounces;
+    if (_glossLight && otherGloss)
         forgetGloss();
     if (settings.bounces != _settings.bounces || settings.albedo != _settings.albedo)
     {
