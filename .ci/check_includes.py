@@ -9,7 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-PLAIN_VALUES = {"DemTile.h", "Export.h", "HorizonMap.h", "LightingSettings.h", "SkyLight.h"}
+PLAIN_VALUES = {"DemTile.h", "Environment.h", "Export.h", "HorizonMap.h", "LightingSettings.h", "SkyLight.h"}
 MAY_USE_OSG = {"DynamicTerrain.h", "TerrainLighting.h", "PlacedObject.h", "ShadingTexture.h"}
 
 # Package -> what its files may include: packages of ours (`values` are the public headers of plain

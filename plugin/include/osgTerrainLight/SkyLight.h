@@ -3,10 +3,13 @@
 #include <osgTerrainLight/Export.h>
 
 #include <array>
+#include <memory>
+#include <string>
 #include <vector>
 
 namespace osgTerrainLight
 {
+struct Environment;
 
 /// Linear red, green, blue.
 using Rgb = std::array<float, 3>;
@@ -25,13 +28,39 @@ struct OSGTERRAINLIGHT_EXPORT KeyLight
     Rgb radiance = {1.0f, 1.0f, 1.0f};
 };
 
+/// How a sky without environment and harmonics is spread over the directions.
+enum class SkyModel
+{
+    Uniform,  ///< skyRadiance everywhere
+    Overcast, ///< CIE overcast: skyRadiance at the zenith, a third of it at the horizontal
+    Clear     ///< by the sun's place and turbidity; sunIrradiance gives the strength
+};
+
+OSGTERRAINLIGHT_EXPORT const char* toString(SkyModel model);
+/// False where the text is none of uniform, overcast, clear; model is then unchanged.
+OSGTERRAINLIGHT_EXPORT bool fromString(const std::string& text, SkyModel& model);
+
 /// The light above the terrain: a sky, a sun and key lights. Scene-linear, in units of the user's
 /// choice; the defaults make a sunlit white surface about 1.
 struct OSGTERRAINLIGHT_EXPORT SkyLight
 {
     bool skyEnabled = true;
-    /// Radiance of the uniform sky [W m⁻² sr⁻¹ or relative], each ≥ 0.
+    /// Of the sky where there is neither an environment nor harmonics.
+    SkyModel skyModel = SkyModel::Uniform;
+    /// Radiance of the uniform sky, or of the overcast one at the zenith [W m⁻² sr⁻¹ or relative],
+    /// each ≥ 0.
     Rgb skyRadiance = {0.21f, 0.26f, 0.35f};
+    /// Of SkyModel::Clear: 1.7 … 10, from the clearest air to haze. That sky is as bright as its
+    /// sun: sunIrradiance is then the sun's outside the air, and what reaches the ground is less.
+    double turbidity = 3.0;
+
+    /// Where not null: the sky's radiance, instead of model and harmonics. setEnvironment() sets
+    /// the sun with it.
+    std::shared_ptr<const Environment> environment;
+    /// Degrees by which the environment is turned clockwise, seen from above; any finite value.
+    double environmentHeading = 0.0;
+    /// What its radiance is multiplied by, ≥ 0.
+    double environmentGain = 1.0;
 
     /// Where not empty: radiance of the sky instead of skyRadiance, in 1, 4, 9 or 16 coefficients
     /// of real spherical harmonics, (l, m) at l (l + 1) + m, x east, y north, z up; Y(1, −1 … 1)
@@ -54,6 +83,11 @@ struct OSGTERRAINLIGHT_EXPORT SkyLight
 
     /// Unit vector towards the sun: x east, y north, z up.
     std::array<double, 3> sunDirection() const;
+
+    /// Sky and sun of an environment, turned and multiplied: the sun is the one that was found in
+    /// it, and off where there was none.
+    void setEnvironment(std::shared_ptr<const Environment> from, double heading = 0.0,
+                        double gain = 1.0);
 };
 
 } // namespace osgTerrainLight

@@ -1,11 +1,51 @@
 #include <osgTerrainLight/SkyLight.h>
 
 #include "core/AzimuthSet.h"
+#include <osgTerrainLight/Environment.h>
 
 #include <cmath>
+#include <utility>
 
 namespace osgTerrainLight
 {
+
+namespace
+{
+constexpr std::array<std::pair<SkyModel, const char*>, 3> modelNames = {
+    {{SkyModel::Uniform, "uniform"}, {SkyModel::Overcast, "overcast"}, {SkyModel::Clear, "clear"}}};
+}
+
+const char* toString(SkyModel model)
+{
+    return modelNames[static_cast<std::size_t>(model)].second;
+}
+
+bool fromString(const std::string& text, SkyModel& model)
+{
+    for (const auto& [value, name] : modelNames)
+        if (text == name)
+        {
+            model = value;
+            return true;
+        }
+    return false;
+}
+
+void SkyLight::setEnvironment(std::shared_ptr<const Environment> from, double heading, double gain)
+{
+    environment = std::move(from);
+    environmentHeading = heading;
+    environmentGain = gain;
+    sunEnabled = environment && environment->hasSun;
+    if (!sunEnabled)
+        return;
+    sunAzimuth = std::fmod(std::fmod(environment->sunAzimuth + heading, 360.0) + 360.0, 360.0);
+    sunElevation = environment->sunElevation;
+    sunAngularRadius = environment->sunAngularRadius;
+    for (std::size_t c = 0; c < 3; ++c)
+        sunIrradiance[c] =
+            static_cast<float>(gain * static_cast<double>(environment->sunIrradiance[c]));
+}
 
 std::array<double, 3> SkyLight::sunDirection() const
 {

@@ -2,6 +2,7 @@
 
 #include "core/AzimuthSet.h"
 #include "core/Luminance.h"
+#include "core/SkyRadiance.h"
 #include "glsl_host.h"
 #include "gpu/GlConstants.h"
 #include "gpu/GpuCapabilities.h"
@@ -88,7 +89,7 @@ Result<SettingsTrial> SettingsTrial::create(osg::State& state, const DemTile& ti
                                             SkyViewDefinition definition,
                                             std::function<void(double)> progress)
 {
-    if (!sky.keyLights.empty() || (sky.skyEnabled && !sky.skyHarmonics.empty()))
+    if (!sky.keyLights.empty() || skyHasTable(sky))
         return Error{ErrorCode::NotSupported,
                      "settings are chosen for a uniform sky and a sun: needs "
                      "neither key lights nor a sky in harmonics"};

@@ -2,6 +2,7 @@
 
 #include <osgTerrainLight/DynamicTerrain.h>
 
+#include "core/SkyRadiance.h"
 #include "gpu/ShaderLibrary.h"
 #include "io/LightParameters.h"
 #include "scene/DisplacedProgram.h"
@@ -37,9 +38,12 @@ bool same(const KeyLight& a, const KeyLight& b)
 bool same(const SkyLight& a, const SkyLight& b)
 {
     return a.skyEnabled == b.skyEnabled && a.skyRadiance == b.skyRadiance &&
-           a.sunEnabled == b.sunEnabled && a.sunAzimuth == b.sunAzimuth &&
-           a.sunElevation == b.sunElevation && a.sunIrradiance == b.sunIrradiance &&
-           a.sunAngularRadius == b.sunAngularRadius && a.skyHarmonics == b.skyHarmonics &&
+           a.skyModel == b.skyModel && a.turbidity == b.turbidity &&
+           a.environment == b.environment && a.environmentHeading == b.environmentHeading &&
+           a.environmentGain == b.environmentGain && a.sunEnabled == b.sunEnabled &&
+           a.sunAzimuth == b.sunAzimuth && a.sunElevation == b.sunElevation &&
+           a.sunIrradiance == b.sunIrradiance && a.sunAngularRadius == b.sunAngularRadius &&
+           a.skyHarmonics == b.skyHarmonics &&
            std::equal(a.keyLights.begin(), a.keyLights.end(), b.keyLights.begin(),
                       b.keyLights.end(),
                       [](const KeyLight& x, const KeyLight& y) { return same(x, y); });
@@ -777,10 +781,10 @@ void TerrainLighting::applyUniforms()
         new osg::Uniform(ShadingTexture::sunDirection,
                          osg::Vec3f(static_cast<float>(sun[0]), static_cast<float>(sun[1]),
                                     static_cast<float>(sun[2]))));
+    const Rgb irradiance = sunAtGround(_sky);
     _uniforms->addUniform(new osg::Uniform(
         ShadingTexture::sunIrradiance,
-        hasSun ? osg::Vec3f(_sky.sunIrradiance[0], _sky.sunIrradiance[1], _sky.sunIrradiance[2])
-               : osg::Vec3f()));
+        hasSun ? osg::Vec3f(irradiance[0], irradiance[1], irradiance[2]) : osg::Vec3f()));
     _uniforms->addUniform(new osg::Uniform(ShadingTexture::glossSampler,
                                            static_cast<int>(ShadingTexture::glossUnit)));
     // Where there is no light, tiles send none: shaders of hosts must find that.

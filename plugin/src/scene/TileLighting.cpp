@@ -335,7 +335,7 @@ void TileLighting::setSky(const SkyLight& sky)
     if (sky.sunAzimuth != _sky.sunAzimuth || sky.sunElevation != _sky.sunElevation ||
         sky.sunAngularRadius != _sky.sunAngularRadius)
         _chain.touch(_sunPlaceValue);
-    if (sky.skyHarmonics != _sky.skyHarmonics)
+    if (!sameSky(sky, _sky))
         _chain.touch(_harmonicsValue);
     // What has horizons of its own is the slices' places; their light is read when it is needed.
     const auto places = [this](const SkyLight& light)
@@ -469,13 +469,28 @@ Status TileLighting::runTable(osg::State& state)
 {
     if (!_table)
         _table = new SkyTablePass(_settings.azimuths);
-    return _table->dispatch(state, _sky.skyHarmonics);
+    return _table->dispatch(state, _sky);
+}
+
+SkyLight TileLighting::lightAtGround() const
+{
+    SkyLight light = _sky;
+    light.sunIrradiance = sunAtGround(_sky);
+    return light;
+}
+
+SkyLight TileLighting::lightInHarmonics() const
+{
+    SkyLight light = lightAtGround();
+    if (skyHasTable(_sky))
+        light.skyHarmonics = harmonicsOf(_sky);
+    return light;
 }
 
 AreaLights TileLighting::areaLights() const
 {
     return {_table ? _table->table() : nullptr, _key ? _key->horizon() : nullptr,
-            keySlices(_sky, _settings.azimuths), _sun ? _sun->horizon() : nullptr, _sky};
+            keySlices(_sky, _settings.azimuths), _sun ? _sun->horizon() : nullptr, lightAtGround()};
 }
 
 Status TileLighting::runSky(osg::State& state)
@@ -530,7 +545,7 @@ Status TileLighting::runShade(osg::State& state)
         if (!_direct)
             _direct = new LegendreDirectPass(_tile, *_pyramid, _eastSpacings,
                                              LegendreScheme::of(_settings));
-        return _direct->dispatch(state, _sky, _shading);
+        return _direct->dispatch(state, lightInHarmonics(), _shading);
     }
     _direct = nullptr;
     GpuPass& pass = *_shadePass;
@@ -569,7 +584,7 @@ void TileLighting::createGlossPass()
 Status TileLighting::runGloss(osg::State& state)
 {
     createGlossPass();
-    SkyLight sky = _sky;
+    SkyLight sky = lightInHarmonics();
     sky.sunEnabled = sunNeeded();
     return _glossPass->dispatchDirect(state, sky, areaLights(),
                                       _horizon ? _horizon->horizon() : nullptr, _shading);

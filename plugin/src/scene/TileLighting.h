@@ -8,6 +8,7 @@
 
 #include "core/Raster.h"
 #include "core/Result.h"
+#include "core/SkyRadiance.h"
 #include "gpu/GpuPass.h"
 #include "gpu/HeightTexture.h"
 #include "gpu/PassChain.h"
@@ -131,10 +132,14 @@ private:
     ~TileLighting() override = default;
 
     bool skyNeeded() const { return _sky.skyEnabled; }
-    bool tableNeeded() const { return bySlices() && skyNeeded() && !_sky.skyHarmonics.empty(); }
+    bool tableNeeded() const { return bySlices() && skyNeeded() && skyHasTable(_sky); }
     bool sunNeeded() const { return needsSun(_sky); }
     bool keyNeeded() const { return keyAzimuths(_sky, _settings) > 0; }
     AreaLights areaLights() const;
+    /// The light with the sun's irradiance at the ground.
+    SkyLight lightAtGround() const;
+    /// The same with every sky but the uniform one in harmonics, for what knows no other.
+    SkyLight lightInHarmonics() const;
     bool bounceNeeded() const;
     bool bySlices() const { return _settings.bounceMethod == BounceMethod::Slices; }
     bool horizonNeeded() const { return bySlices() && (skyNeeded() || bounceNeeded()); }

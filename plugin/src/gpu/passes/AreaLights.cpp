@@ -1,5 +1,7 @@
 #include "gpu/passes/AreaLights.h"
 
+#include "core/SkyRadiance.h"
+
 #include <array>
 #include <cassert>
 #include <cmath>
@@ -9,9 +11,7 @@ namespace osgTerrainLight
 
 Rgb skyGain(const SkyLight& sky)
 {
-    return !sky.skyEnabled            ? Rgb{}
-           : sky.skyHarmonics.empty() ? sky.skyRadiance
-                                      : Rgb{1.0f, 1.0f, 1.0f};
+    return !sky.skyEnabled ? Rgb{} : skyHasTable(sky) ? Rgb{1.0f, 1.0f, 1.0f} : sky.skyRadiance;
 }
 
 osg::ref_ptr<osg::Uniform> harmonicsUniform(const std::vector<Rgb>& harmonics)

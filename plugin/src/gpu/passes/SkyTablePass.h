@@ -9,7 +9,6 @@
 #include <osg/Texture2D>
 
 #include <cstddef>
-#include <vector>
 
 namespace osgTerrainLight
 {
@@ -23,8 +22,8 @@ public:
     /// docs/ARCHITECTURE.md has the error.
     explicit SkyTablePass(int azimuths, int rows = 128);
 
-    /// The table of a sky in spherical harmonics: 1, 4, 9 or 16 coefficients.
-    Status dispatch(osg::State& state, const std::vector<Rgb>& harmonics);
+    /// The table of a sky of whichever kind; of a uniform one, too.
+    Status dispatch(osg::State& state, const SkyLight& sky);
 
     /// RGBA32F, azimuths × 3 (rows + 1): lights.glsl says what of.
     osg::Texture2D* table() const { return _table; }
@@ -41,7 +40,8 @@ private:
     int _azimuths;
     osg::ref_ptr<osg::Texture2D> _sky; ///< radiance by azimuth and elevation
     osg::ref_ptr<osg::Texture2D> _table;
-    osg::ref_ptr<GpuPass> _harmonics, _sum;
+    osg::ref_ptr<GpuPass> _harmonics, _environment, _sum;
+    osg::ref_ptr<osg::Texture2D> _panorama; ///< null without an environment
 };
 
 } // namespace osgTerrainLight

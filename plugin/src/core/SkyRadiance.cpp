@@ -1,0 +1,120 @@
+#include "core/SkyRadiance.h"
+
+#include "core/Quadrature.h"
+#include "glsl_host.h"
+#include <osgTerrainLight/Environment.h>
+
+#include <cmath>
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+constexpr double pi = 3.14159265358979323846;
+
+/// A function turned clockwise about the vertical: m and −m of a band mix.
+std::vector<Rgb> turned(const std::vector<Rgb>& harmonics, double clockwise, double gain)
+{
+    std::vector<Rgb> result(16);
+    for (int l = 0; l < 4; ++l)
+        for (int m = 0; m <= l; ++m)
+        {
+            const auto plus = static_cast<std::size_t>(l * (l + 1) + m);
+            const auto minus = static_cast<std::size_t>(l * (l + 1) - m);
+            const double cosine = std::cos(m * clockwise), sine = std::sin(m * clockwise);
+            for (std::size_t c = 0; c < 3; ++c)
+            {
+                const double even = gain * static_cast<double>(harmonics[plus][c]);
+                const double odd = gain * static_cast<double>(harmonics[minus][c]);
+                result[plus][c] = static_cast<float>(m == 0 ? even : cosine * even + sine * odd);
+                if (m > 0)
+                    result[minus][c] = static_cast<float>(cosine * odd - sine * even);
+            }
+        }
+    return result;
+}
+
+/// Of the upper hemisphere, below which a model has no light.
+std::vector<Rgb> projectedModel(const SkyLight& sky)
+{
+    constexpr int turns = 64;
+    std::array<std::array<double, 3>, 16> sum = {};
+    const GaussRule& rule = gaussRule();
+    constexpr int parts = 8; // of z, finer towards the horizontal, where skies change most
+    for (int part = 0; part < parts; ++part)
+    {
+        const double bottom = std::pow(double(part) / parts, 2.0);
+        const double height = std::pow(double(part + 1) / parts, 2.0) - bottom;
+        for (std::size_t node = 0; node < rule.places.size(); ++node)
+            for (int turn = 0; turn < turns; ++turn)
+            {
+                const double z = bottom + height * rule.places[node];
+                const double side = std::sqrt(1.0 - z * z);
+                const double azimuth = 2.0 * pi * (turn + 0.5) / turns;
+                const std::array<double, 3> towards = {side * std::cos(azimuth),
+                                                       side * std::sin(azimuth), z};
+                const auto radiance = modelRadiance(sky, towards);
+                const auto sh = Glsl<double>().shBasis({towards[0], towards[1], towards[2]});
+                const double weight = height * rule.weights[node] * 2.0 * pi / turns;
+                for (std::size_t i = 0; i < 16; ++i)
+                    for (std::size_t c = 0; c < 3; ++c)
+                        sum[i][c] += weight * radiance[c] * sh.c[i / 4][static_cast<int>(i % 4)];
+            }
+    }
+    std::vector<Rgb> harmonics(16);
+    for (std::size_t i = 0; i < 16; ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            harmonics[i][c] = static_cast<float>(sum[i][c]);
+    return harmonics;
+}
+} // namespace
+
+bool skyHasTable(const SkyLight& sky)
+{
+    return sky.skyEnabled &&
+           (sky.environment || !sky.skyHarmonics.empty() || sky.skyModel != SkyModel::Uniform);
+}
+
+bool sameSky(const SkyLight& a, const SkyLight& b)
+{
+    if (a.environment || b.environment)
+        return a.environment == b.environment && a.environmentHeading == b.environmentHeading &&
+               a.environmentGain == b.environmentGain;
+    if (!a.skyHarmonics.empty() || !b.skyHarmonics.empty())
+        return a.skyHarmonics == b.skyHarmonics;
+    if (a.skyModel != b.skyModel)
+        return false;
+    if (a.skyModel != SkyModel::Clear)
+        return a.skyRadiance == b.skyRadiance;
+    return a.turbidity == b.turbidity && a.sunAzimuth == b.sunAzimuth &&
+           a.sunElevation == b.sunElevation && a.sunIrradiance == b.sunIrradiance;
+}
+
+std::array<double, 3> modelRadiance(const SkyLight& sky, const std::array<double, 3>& direction)
+{
+    // CIE overcast sky (Moon and Spencer 1942; CIE S 011): a third at the horizontal.
+    const double factor =
+        sky.skyModel == SkyModel::Overcast ? (1.0 + 2.0 * direction[2]) / 3.0 : 1.0;
+    std::array<double, 3> radiance = {};
+    for (std::size_t c = 0; c < 3; ++c)
+        radiance[c] = factor * static_cast<double>(sky.skyRadiance[c]);
+    return radiance;
+}
+
+std::vector<Rgb> harmonicsOf(const SkyLight& sky)
+{
+    if (sky.environment)
+        return turned(sky.environment->harmonics, sky.environmentHeading * pi / 180.0,
+                      sky.environmentGain);
+    std::vector<Rgb> harmonics = sky.skyHarmonics.empty() ? projectedModel(sky) : sky.skyHarmonics;
+    harmonics.resize(16);
+    return harmonics;
+}
+
+Rgb sunAtGround(const SkyLight& sky)
+{
+    return sky.sunIrradiance;
+}
+
+} // namespace osgTerrainLight
