@@ -27,6 +27,7 @@ int usage()
     std::cerr << "dynamic waves|dunes|craters [options] [DEM]\n"
                  "  DEM           any raster that GDAL reads, to dig in; for craters\n"
                  "  --posts N     posts a side of ground that is made up, 16 to 2048; default 256\n"
+                 "  --bounces N   of light from ground to ground, 0 to 8; default 1\n"
                  "  --frames N    draw N frames without a window, print times and OpenGL errors\n"
                  "  --picture F   with --frames: write the last frame\n"
                  "Ctrl and left click digs a crater.\n";
@@ -201,11 +202,14 @@ int main(int argc, char** argv)
     osg::ArgumentParser arguments(&argc, argv);
     int posts = 256;
     int frames = 0;
+    int bounces = 1;
     std::string picture;
     arguments.read("--posts", posts);
     arguments.read("--frames", frames);
+    arguments.read("--bounces", bounces);
     arguments.read("--picture", picture);
-    if (arguments.argc() < 2 || arguments.argc() > 3 || posts < 16 || posts > 2048 || frames < 0)
+    if (arguments.argc() < 2 || arguments.argc() > 3 || posts < 16 || posts > 2048 || frames < 0 ||
+        bounces < 0 || bounces > 8)
         return usage();
     DemTile dem;
     if (arguments.argc() == 3)
@@ -245,6 +249,8 @@ int main(int argc, char** argv)
     LightingSettings settings; // for many frames rather than the last bit
     settings.azimuths = 16;
     settings.quality = HorizonQuality::Draft;
+    settings.bounces = bounces;
+    settings.subsampling = 4;
     lit->setSettings(settings);
     lit->setKeysEnabled(true);
 

@@ -1,6 +1,9 @@
 // One bounce of diffuse light: what a post receives from the terrain it sees (MATHS, "One slice,
-// exactly"; casting set of Nowrouzezahrai and Snyder 2009, section 3). COARSE: at every stride-th post,
-// as a vector per colour whose product with a normal is the irradiance, for upsample.comp.
+// exactly"; casting set of Nowrouzezahrai and Snyder 2009, section 3). Sub-sampled it is two passes. FAR:
+// at one post of every block, what samples beyond the first `exact` send, as a mean per azimuth. NEAR: at
+// every post, its own cells and the first samples; the rest of each slice, up to the post's own horizon,
+// sends the mean of the blocks about it. So only radiance is interpolated: planes, normals and horizons are
+// each post's own, and no light is made.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D heights;      // R32F [m], framed by `frame` void posts, row 0 south
@@ -11,18 +14,19 @@ uniform sampler2D radiance;     // of radiance.comp
 uniform sampler2D heightPyramid;   // RG32F: height times weight, weight
 uniform sampler2D radiancePyramid; // RGBA16F: radiance times weight, weight
 uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k/m from east
-#ifdef COARSE
-uniform sampler2D shading; // of which alpha is read
-uniform sampler2D light;   // irradiance / pi of the last bounce
-layout(rgba16f, binding = 0) writeonly uniform image2D redVector; // over pi; a = 1 where valid
-layout(rgba16f, binding = 1) writeonly uniform image2D greenVector;
-layout(rgba16f, binding = 2) writeonly uniform image2D blueVector;
-uniform int stride;
+#ifdef FAR
+// A texel per block, a layer per azimuth: radiance times weight, weight; the weight is what the slice's part
+// gives the block's post of a radiance of 1, times azimuths.
+layout(rgba16f, binding = 0) writeonly uniform image2DArray farRadiance;
 #else
 layout(rgba16f, binding = 0) uniform image2D shading; // += irradiance / pi
 layout(rgba16f, binding = 1) uniform image2D light; // irradiance / pi of the last bounce; of this one
-const int stride = 1;
 #endif
+#ifdef NEAR
+uniform sampler2DArray farRadiance;
+#endif
+uniform int stride; // posts a side of a block
+uniform int exact;  // samples; at most nearCount
 
 uniform ivec2 size; // posts
 uniform int frame;
@@ -42,6 +46,7 @@ uniform ivec4 heightLevels[16];
 uniform ivec4 radianceLevels[16];
 
 #ifdef DIRECT
+#ifndef FAR
 uniform bool hasSky;
 uniform vec3 skyRadiance; // SKY_TABLE: 1
 
@@ -90,6 +95,7 @@ CornerLight lightOfCorners(ivec2 post, Length here, Length east, float visible)
 #endif
     return corners;
 }
+#endif
 
 #ifdef SUN
 // What a cell sends out, with the sun's light of one place of it instead of the cell's mean.
@@ -113,19 +119,22 @@ vec3 sentAt(vec2 place, Length east)
 void main()
 {
     ivec2 id = ivec2(gl_GlobalInvocationID.xy);
+#ifdef FAR
     ivec2 post = id * stride;
+#else
+    ivec2 post = id;
+#endif
     if (post.x >= size.x || post.y >= size.y)
         return;
-#ifdef COARSE
+#ifdef FAR
     post = postOfBlock(heights, id, stride, size, frame);
 #endif
     Length here = postHeight(heights, post + frame);
     if (isVoid(here))
     {
-#ifdef COARSE
-        imageStore(redVector, id, vec4(0.0));
-        imageStore(greenVector, id, vec4(0.0));
-        imageStore(blueVector, id, vec4(0.0));
+#ifdef FAR
+        for (int k = 0; k < azimuths; ++k)
+            imageStore(farRadiance, ivec3(id, k), vec4(0.0));
 #else
         imageStore(light, post, vec4(0.0));
 #endif
@@ -133,16 +142,29 @@ void main()
     }
     Length east = texelFetch(eastSpacings, ivec2(0, post.y), 0).x;
     vec3 normal = postNormal(heights, post + frame, east, northSpacing);
+#ifndef FAR
     vec3 colour = texelFetch(albedo, min(post, textureSize(albedo, 0) - 1), 0).rgb;
-#ifdef COARSE
-    vec4 before = texelFetch(shading, post, 0);
-    vec3 bounced = texelFetch(light, post, 0).rgb;
-#else
     vec4 before = imageLoad(shading, post);
-    vec3 bounced = imageLoad(light, post).rgb;
-#endif
 #ifdef DIRECT
     CornerLight corners = lightOfCorners(post, here, east, before.a);
+#else
+    vec3 bounced = imageLoad(light, post).rgb;
+#endif
+#endif
+#ifdef NEAR
+    ivec2 blocks[4];
+    float weights[4];
+    for (int i = 0; i < 4; ++i)
+    {
+        ivec2 corner = ivec2(i % 2, i / 2);
+        blocks[i] = min(post / stride + corner, (size - 1) / stride);
+        ivec2 gathered = postOfBlock(heights, blocks[i], stride, size, frame);
+        Length height = postHeight(heights, gathered + frame);
+        vec3 across = vec3(vec2(gathered - post) * vec2(east, northSpacing),
+                           isVoid(height) ? 0.0 : height - here);
+        vec2 share = vec2(post % stride) / float(stride);
+        weights[i] = blockWeight(corner, share, across, normal, max(east, northSpacing));
+    }
 #endif
     vec2 heightScale = 1.0 / vec2(textureSize(heightPyramid, 0));
     vec2 radianceScale = 1.0 / vec2(textureSize(radiancePyramid, 0));
@@ -167,6 +189,9 @@ void main()
         float nh = normal.x * cosine + normal.y * sine;
         Slope highest = -nh / normal.z;
         vec2 below = sliceMoments(highest, width);
+#ifdef FAR
+        vec2 start; // of what is counted
+#endif
         // Much of what a post sees is the cell it stands on, from where the cell begins.
         ivec2 side = ivec2(drift < 0.0 ? -minor : minor);
         Length ahead = postHeight(heights, post + major + frame);
@@ -174,17 +199,31 @@ void main()
         Slope slope = (ahead - here + abs(drift) * (beside - here)) / stepLength;
         bool seen = !isVoid(ahead) && !isVoid(beside) && slope > highest;
         highest = seen ? max(highest, min(slope, cap)) : highest;
+        vec2 above = sliceMoments(highest, width);
+#ifdef FAR
+        // Not counted, but what is sent up to the crest if no sample is seen.
+        vec3 last = texelFetch(radiance, clamp(post + min(major + side, 0), ivec2(0), size - 2), 0).rgb;
+        vec3 upward = vec3(0.0);
+        vec3 outward = vec3(0.0);
+#else
 #ifdef DIRECT
         ivec2 quadrant = max(major + side, ivec2(0));
         vec3 last = colour * corners.light[quadrant.x + 2 * quadrant.y];
 #else
         vec3 last = colour * bounced;
 #endif
-        vec2 above = sliceMoments(highest, width);
         vec3 upward = (below.x - above.x) * last;
         vec3 outward = (below.y - above.y) * last;
+#endif
         below = above;
+#ifdef FAR
+        start = above;
+#endif
+#ifdef NEAR
+        for (int i = 0; i < exact; ++i)
+#else
         for (int i = 0; i < nearCount; ++i)
+#endif
         {
             float distance = samples[i].x;
             float offset = drift * distance;
@@ -205,11 +244,24 @@ void main()
             seen = inside && !isVoid(height) && slope > highest;
             highest = seen ? max(highest, min(slope, cap)) : highest;
             above = sliceMoments(highest, width);
+#ifdef FAR
+            if (i < exact)
+            {
+                below = above;
+                start = above;
+            }
+#endif
             upward += (below.x - above.x) * sent;
             outward += (below.y - above.y) * sent;
             below = above;
             last = seen ? sent : last;
         }
+#ifdef NEAR
+        vec4 beyond = vec4(0.0);
+        for (int i = 0; i < 4; ++i)
+            beyond += weights[i] * texelFetch(farRadiance, ivec3(blocks[i], k), 0);
+        last = beyond.a > 1.0e-4 ? beyond.rgb / beyond.a : last;
+#else
         for (int i = nearCount; i < sampleCount; ++i)
         {
             vec2 place = vec2(post) + samples[i].x * step;
@@ -232,20 +284,26 @@ void main()
             below = above;
             last = seen ? sent.rgb : last;
         }
+#endif
         // Up to the crest, which coarse samples under-estimate.
         highest = max(highest, cap);
         above = sliceMoments(highest, width);
         upward += (below.x - above.x) * last;
         outward += (below.y - above.y) * last;
+#ifdef FAR
+        // start - above: the moments of all of it. Rounding may leave them a little below 0.
+        float weight = max(normal.z * (start.x - above.x) + nh * (start.y - above.y), 0.0);
+        vec3 sent = max(normal.z * upward + nh * outward, vec3(0.0));
+        imageStore(farRadiance, ivec3(id, k),
+                   vec4(roundedToHalf(float(azimuths) * sent),
+                        roundedToHalf(vec3(float(azimuths) * weight)).x));
+#else
         for (int c = 0; c < 3; ++c)
             sum[c] += vec3(cosine * outward[c], sine * outward[c], upward[c]);
+#endif
     }
+#ifndef FAR
     sum /= PI;
-#ifdef COARSE
-    imageStore(redVector, id, vec4(roundedToHalf(sum[0]), 1.0));
-    imageStore(greenVector, id, vec4(roundedToHalf(sum[1]), 1.0));
-    imageStore(blueVector, id, vec4(roundedToHalf(sum[2]), 1.0));
-#else
     vec3 received = normal * sum;
     imageStore(shading, post, vec4(roundedToHalf(before.rgb + received), before.a));
     imageStore(light, post, vec4(roundedToHalf(received), 1.0));

@@ -18,7 +18,7 @@ measure()
   if [[ ! -f $files.svg ]]; then
     echo "measuring $name"
     "$tool" bench "$@" --bounces 1 --sun 315,25 --azimuths 16,32,64 --posts 2000 --paths 65536 --repeats 2 \
-      --methods sweep-draft,sweep-normal,sweep-best,subsampled-2,legendre \
+      --methods sweep-draft,sweep-normal,sweep-best,subsampled-2,subsampled-4,legendre \
       --csv "$files.csv" --plot "$files.svg" -q >"$files.txt"
   fi
   cp "$files.svg" "docs/images/bounces_$name.svg"
@@ -33,9 +33,9 @@ fact() { sed -n "s/^$1: *//p" "$results/fractal.txt"; }
 # Bounces: speed against error
 
 One bounce of sky and sun, albedo 0.5: time of everything against the error of the bounce, as `terrainlight bench` measures it with the path
-tracer as truth. `sweep-…` are the three qualities by exact slices, `subsampled-2` the default at every second post, `legendre` the scheme of
-Nowrouzezahrai and Snyder 2009, whole (direct light, too), in the quality `normal`. `*` marks the Pareto front. `legendre` alone is
-the front before; [ARCHITECTURE](ARCHITECTURE.md) has the steps between. Written by `tests/bench/bounces.sh`.
+tracer as truth. `sweep-…` are the three qualities by exact slices, `subsampled-2` and `subsampled-4` the default with far terrain looked at from every second and fourth post, `legendre` the scheme of
+Nowrouzezahrai and Snyder 2009, whole (direct light, too), in the quality `normal`, which is finer than its own k = 4, o = 2. `*` marks the
+Pareto front. `legendre` alone is the front before; [ARCHITECTURE](ARCHITECTURE.md) has the steps between. Written by `tests/bench/bounces.sh`.
 
 MARKDOWN
   echo "Device: $(fact Device). Processor: $(nproc) cores of $(

@@ -70,7 +70,7 @@ table()
     NR == FNR { paper[$1, $2] = $3 " | " $4 " | " $5 " | " $6; next }
     $1 == wanted {
       ms[$3, $2, $4] = $5
-      mb[$3, $2] = $6
+      if ($4 == 1) mb[$3, $2] = $6 # of one bounce: more need a texture of what the last one brought
       if ($4 == 1) order[++rows] = $3 SUBSEP $2
     }
     function rate(side, step, bounces) {

@@ -140,15 +140,27 @@ TEST_P(BounceAccuracy, AgainstThePathTracer)
     const auto truth = tracer->trace(illumination, receivers, options);
     ASSERT_TRUE(truth.ok());
 
-    for (const bool best : {false, true})
+    struct Run
     {
+        const char* name;
         LightingSettings settings;
-        settings.bounces = bounces;
-        if (best)
-        {
-            settings.quality = HorizonQuality::Best;
-            settings.azimuths = 64;
-        }
+        double bound;
+    };
+    Run normal = {"default", {}, accuracy.normal};
+    Run thin = {"default, subsampling 2", {}, accuracy.normal};
+    thin.settings.subsampling = 2;
+    Run best = {"best x 64", {}, accuracy.best};
+    best.settings.quality = HorizonQuality::Best;
+    best.settings.azimuths = 64;
+    // For comparison, whatever it reaches: quality Draft has its k = 4, o = 2.
+    Run paper = {"Nowrouzezahrai and Snyder 2009", {}, 1.0};
+    paper.settings.bounceMethod = BounceMethod::Legendre;
+    paper.settings.quality = HorizonQuality::Draft;
+    double errorByDefault = 0.0;
+    for (Run run : {normal, thin, best, paper})
+    {
+        run.settings.bounces = bounces;
+        const LightingSettings& settings = run.settings;
         const auto found = bouncesOf(state, tile, settings, sky);
         double light = 0.0, reference = 0.0;
         std::vector<double> sums(receivers.size(), 0.0), expected(receivers.size(), 0.0),
@@ -170,13 +182,19 @@ TEST_P(BounceAccuracy, AgainstThePathTracer)
             }
             const double error = std::sqrt(std::max(0.0, squares - noise) / of);
             const double mean = std::accumulate(expected.begin(), expected.end(), 0.0);
-            std::cout << accuracy.name << (best ? ", best x 64, " : ", default, ") << b + 1
+            std::cout << accuracy.name << ", " << run.name << ", " << b + 1
                       << (b ? " bounces" : " bounce") << ": relative RMS " << 100.0 * error
                       << " % (noise " << 100.0 * std::sqrt(noise / of) << " %), bias "
                       << 100.0 * bias / mean << " %\n";
             light = error;
             reference = std::sqrt(noise / of);
-            EXPECT_LE(error, best ? accuracy.best : accuracy.normal) << b + 1;
+            EXPECT_LE(error, run.bound) << run.name << ' ' << b + 1;
+        }
+        if (std::string(run.name) == "default")
+            errorByDefault = light;
+        if (settings.bounceMethod == BounceMethod::Legendre)
+        {
+            EXPECT_LT(errorByDefault, light); // measurably better than the paper
         }
         // A truth less certain than the bound would show nothing.
         EXPECT_LE(reference, accuracy.best) << light;
@@ -558,6 +576,80 @@ TEST(Bounce, VoidsNeitherReceiveNorSend)
         EXPECT_NEAR(light, whole[0].at(column, 32).g(), 0.02f * light) << column;
         EXPECT_GT(light, 0.0f);
     }
+}
+
+// Sub-sampling against every post, on ground that is rough at the scale of posts, in front of and
+// upon a wall, and up to the tile's border, where its last block is cut. Bounds: what was measured,
+// and a quarter more. What counts for pictures: no post that is lit at every post is dark.
+TEST(Bounce, SubsamplingLosesLittleOnRoughGround)
+{
+    OTL_NEED_GL(context);
+    const DemTile wall = analytic::makeTile(
+        50, 50, 10.0, [](int column, int) { return 40.0 * std::clamp(column - 24, 0, 3); });
+    const DemTile fractal = *generateTerrain(TerrainKind::Fractal, 64, 64, 30.0, 1);
+    const DemTile cliffs = *generateTerrain(TerrainKind::Cliffs, 64, 64, 30.0, 1);
+    const DemTile bowl = analytic::makeTile(
+        32, 32, 1.0,
+        [](int column, int row)
+        { return 0.01 * ((column - 15.5) * (column - 15.5) + (row - 15.5) * (row - 15.5)); });
+    struct Case
+    {
+        const char* name;
+        const DemTile& tile;
+        double bounds[2]; ///< of 2 and 4
+    };
+    for (const Case& one :
+         {Case{"wall", wall, {0.046, 0.16}}, Case{"fractal", fractal, {0.004, 0.008}},
+          Case{"cliffs", cliffs, {0.039, 0.065}}, Case{"bowl", bowl, {0.0003, 0.0003}}})
+    {
+        LightingSettings settings;
+        settings.bounces = 1;
+        const auto every = bouncesOf(context->state(), one.tile, settings, whiteSky());
+        for (const int subsampling : {2, 4})
+        {
+            settings.subsampling = subsampling;
+            const auto found = bouncesOf(context->state(), one.tile, settings, whiteSky());
+            double squares = 0.0, of = 0.0, bias = 0.0, sum = 0.0;
+            int dark = 0;
+            for (std::size_t i = 0; i < every[0].size(); ++i)
+            {
+                const double expected = static_cast<double>(every[0].values()[i].g());
+                const double light = static_cast<double>(found[0].values()[i].g());
+                squares += (light - expected) * (light - expected);
+                of += expected * expected;
+                bias += light - expected;
+                sum += expected;
+                dark += expected > 0.01 && light < 0.5 * expected ? 1 : 0;
+            }
+            std::cout << one.name << ", every post of " << subsampling << ": "
+                      << 100.0 * std::sqrt(squares / of) << " %, bias " << 100.0 * bias / sum
+                      << " %, too dark by half: " << dark << '\n';
+            EXPECT_LT(std::sqrt(squares / of), one.bounds[subsampling / 4]) << one.name;
+            EXPECT_EQ(dark, 0) << one.name;
+        }
+    }
+}
+
+// With albedo 1 nothing may get more than the sky sends, however few posts light is gathered at.
+TEST(BounceClosedForm, SubsamplingMakesNoLight)
+{
+    OTL_NEED_GL(context);
+    for (const TerrainKind kind : {TerrainKind::Cliffs, TerrainKind::Spikes, TerrainKind::Fractal})
+        for (const int subsampling : {1, 2, 4})
+        {
+            const DemTile tile = *generateTerrain(kind, 41, 41, 10.0, 1);
+            LightingSettings settings;
+            settings.albedo = {1.0f, 1.0f, 1.0f};
+            settings.bounces = 8;
+            settings.subsampling = subsampling;
+            const auto shading = shadingOf(context->state(), tile, settings, whiteSky());
+            float most = 0.0f;
+            for (const osg::Vec4f& texel : shading.values())
+                most = std::max(most, texel.g());
+            std::cout << toString(kind) << ", every post of " << subsampling << ": " << most
+                      << '\n';
+            EXPECT_LE(most, 1.01f) << toString(kind) << ' ' << subsampling;
+        }
 }
 
 // Every fourth column and row is void, which is where blocks of 2 and 4 posts begin: what stands

@@ -915,6 +915,10 @@ TEST(DynamicTerrain, TwoThousandFramesLeaveNothingBehind)
             return true;
         });
     osg::ref_ptr<TerrainLighting> lighting = litTerrain(terrain);
+    LightingSettings settings = lighting->getSettings();
+    settings.bounces = 1;
+    settings.subsampling = 2;
+    lighting->setSettings(settings);
     ScenePicture picture(lighting, reach);
     picture.draw(warmUp);
     const std::vector<int> objects = glObjects(picture.state());
@@ -927,6 +931,7 @@ TEST(DynamicTerrain, TwoThousandFramesLeaveNothingBehind)
         ASSERT_EQ(takeGlErrors(), "") << "frame " << frame;
     }
     EXPECT_EQ(lighting->getDispatchCounts().at("shade"), static_cast<unsigned>(frames));
+    EXPECT_EQ(lighting->getDispatchCounts().at("bounce"), static_cast<unsigned>(frames));
     EXPECT_EQ(glObjects(picture.state()), objects);
     // Less than one uniform or half a kilobyte per frame; what allocators keep is a tenth of it.
     const double bound = 512.0 * (frames - warmUp);

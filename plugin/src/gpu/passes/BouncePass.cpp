@@ -73,8 +73,15 @@ BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Textur
 {
     using Defines = std::vector<std::string>;
     _firstBounce =
-        new GpuPass("bounce", stride == 1 ? Defines{"DIRECT"} : Defines{"DIRECT", "COARSE"});
-    _nextBounce = new GpuPass("bounce", stride == 1 ? Defines{} : Defines{"COARSE"});
+        new GpuPass("bounce", stride == 1 ? Defines{"DIRECT"} : Defines{"DIRECT", "NEAR"});
+    _nextBounce = new GpuPass("bounce", stride == 1 ? Defines{} : Defines{"NEAR"});
+    if (stride > 1)
+    {
+        _firstFar = new GpuPass("bounce", {"DIRECT", "FAR"});
+        _nextFar = new GpuPass("bounce", {"FAR"});
+        _farRadiance = createLayeredTarget((_width - 1) / stride + 1, (_height - 1) / stride + 1,
+                                           azimuths, GL_RGBA16F_ARB);
+    }
     _heightPyramid = createTarget(_posts.width, _posts.height, GL_RG32F);
     _radiancePyramid = createTarget(_cells.width, _cells.height, GL_RGBA16F_ARB);
     _radiance = createTarget(std::max(1, _width - 1), std::max(1, _height - 1), GL_RGBA16F_ARB);
@@ -106,7 +113,9 @@ BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Textur
             static_cast<float>(samples[i].between), static_cast<float>(samples[i].radianceLevel));
         nearCount += samples[i].level == 0 ? 1 : 0;
     }
-    const auto bounces = {_firstBounce, _nextBounce};
+    std::vector<osg::ref_ptr<GpuPass>> bounces = {_firstBounce, _nextBounce};
+    if (stride > 1)
+        bounces.insert(bounces.end(), {_firstFar, _nextFar});
     std::vector<osg::ref_ptr<GpuPass>> scans = bounces; // all that look along the rays
     if (gloss)
         scans.push_back(gloss->gatherPass());
@@ -116,47 +125,40 @@ BouncePass::BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Textur
         setLevels(*pass, "radianceLevels", _cells);
     }
     if (stride > 1)
+        for (const auto& pass : {_firstFar, _nextFar})
+            pass->writes(0, _farRadiance);
+    for (const auto& pass : {_firstBounce, _nextBounce})
     {
-        _upsample = new GpuPass("upsample");
-        for (std::size_t c = 0; c < 3; ++c)
-        {
-            _vectors[c] =
-                createTarget((_width - 1) / stride + 1, (_height - 1) / stride + 1, GL_RGBA16F_ARB);
-            _upsample->reads(std::array{"redVector", "greenVector", "blueVector"}[c], _vectors[c]);
-            for (const auto& pass : bounces)
-                pass->writes(static_cast<unsigned>(c), _vectors[c]);
-        }
-        _upsample->reads("heights", heights);
-        _upsample->reads("eastSpacings", eastSpacings);
-        _upsample->set("size", _width, _height);
-        _upsample->set("frame", int(HorizonPass::frame));
-        _upsample->set("stride", stride);
-        _upsample->set("northSpacing", static_cast<float>(tile.northSpacing));
-        _upsample->writes(1, _light);
-        for (const auto& pass : bounces)
-        {
-            pass->set("stride", stride);
-            pass->reads("light", _light);
-        }
+        pass->writes(1, _light, GpuPass::Access::ReadWrite);
+        if (stride > 1)
+            pass->reads("farRadiance", _farRadiance);
     }
-    for (const auto& pass : {_directRadiance, _bouncedRadiance, _firstBounce, _nextBounce})
+    const auto exact = std::count_if(samples.begin(), samples.end(),
+                                     [&](const BounceSample& sample)
+                                     { return sample.level == 0 && sample.distance <= 2.0; });
+    std::vector<osg::ref_ptr<GpuPass>> onPosts = bounces; // all that read posts
+    onPosts.insert(onPosts.end(), {_directRadiance, _bouncedRadiance});
+    for (const auto& pass : onPosts)
     {
         pass->reads("heights", heights);
         pass->set("size", _width, _height);
         pass->set("frame", int(HorizonPass::frame));
     }
-    for (const auto& pass : {_directRadiance, _firstBounce, _nextBounce})
-    {
-        pass->reads("eastSpacings", eastSpacings);
-        pass->set("azimuths", azimuths);
-        pass->set("northSpacing", static_cast<float>(tile.northSpacing));
-    }
+    for (const auto& pass : onPosts)
+        if (pass != _bouncedRadiance)
+        {
+            pass->reads("eastSpacings", eastSpacings);
+            pass->set("azimuths", azimuths);
+            pass->set("northSpacing", static_cast<float>(tile.northSpacing));
+        }
     for (const auto& pass : {_directRadiance, _bouncedRadiance})
         pass->writes(0, _radiance);
     _bouncedRadiance->reads("light", _light);
-    if (stride == 1)
-        for (const auto& pass : bounces)
-            pass->writes(1, _light, GpuPass::Access::ReadWrite);
+    for (const auto& pass : bounces)
+    {
+        pass->set("stride", stride);
+        pass->set("exact", static_cast<int>(exact));
+    }
     for (const auto& pass : scans)
     {
         pass->reads("radiance", _radiance);
@@ -179,7 +181,13 @@ void BouncePass::setAreaLights(const AreaLights& lights)
 {
     lights.apply(*_directRadiance, {"DIRECT"});
     lights.apply(*_firstBounce, _stride == 1 ? std::vector<std::string>{"DIRECT"}
-                                             : std::vector<std::string>{"DIRECT", "COARSE"});
+                                             : std::vector<std::string>{"DIRECT", "NEAR"});
+    if (!_firstFar)
+        return;
+    AreaLights sun; // cells have the rest
+    sun.sunHorizon = lights.sunHorizon;
+    sun.sky = lights.sky;
+    sun.apply(*_firstFar, {"DIRECT", "FAR"});
 }
 
 Status BouncePass::dispatch(osg::State& state, int bounces, const SkyLight& sky,
@@ -194,18 +202,20 @@ Status BouncePass::dispatch(osg::State& state, int bounces, const SkyLight& sky,
         const Rgb gain = skyGain(sky);
         pass->set("skyRadiance", osg::Vec3f(gain[0], gain[1], gain[2]));
     }
-    for (const auto& pass : {_directRadiance, _firstBounce, _nextBounce})
+    std::vector<osg::ref_ptr<GpuPass>> scans = {_firstBounce, _nextBounce};
+    for (const auto& pass : scans)
+        pass->writes(0, shading, GpuPass::Access::ReadWrite);
+    if (_firstFar)
+        scans.insert(scans.end(), {_firstFar, _nextFar});
+    for (const auto& pass : scans)
+    {
         pass->reads("horizon", horizon);
-    for (const auto& pass : {_directRadiance, _bouncedRadiance, _firstBounce, _nextBounce})
         pass->reads("albedo", albedo);
-    for (const auto& pass : {_firstBounce, _nextBounce})
-        if (_upsample)
-            pass->reads("shading", shading);
-        else
-            pass->writes(0, shading, GpuPass::Access::ReadWrite);
-    if (_upsample)
-        _upsample->writes(0, shading, GpuPass::Access::ReadWrite);
-    const GpuPass::Groups coarse = {GpuPass::groupsFor((_width - 1) / _stride + 1, 8),
+    }
+    _directRadiance->reads("horizon", horizon);
+    for (const auto& pass : {_directRadiance, _bouncedRadiance})
+        pass->reads("albedo", albedo);
+    const GpuPass::Groups blocks = {GpuPass::groupsFor((_width - 1) / _stride + 1, 8),
                                     GpuPass::groupsFor((_height - 1) / _stride + 1, 8), 1};
     Status done = Nothing{};
     for (int bounce = 0; done && bounce < bounces; ++bounce)
@@ -216,10 +226,10 @@ Status BouncePass::dispatch(osg::State& state, int bounces, const SkyLight& sky,
         if (done)
             done = reducePyramid(state, _cells, *_firstRadiance, _radiance, 0, *_nextRadiance,
                                  _radiancePyramid);
+        if (done && _firstFar)
+            done = (bounce == 0 ? _firstFar : _nextFar)->dispatch(state, blocks);
         if (done)
-            done = (bounce == 0 ? _firstBounce : _nextBounce)->dispatch(state, coarse);
-        if (done && _upsample)
-            done = _upsample->dispatch(state, groups);
+            done = (bounce == 0 ? _firstBounce : _nextBounce)->dispatch(state, groups);
         if (done)
             done = keep(state, _light, bounce);
         if (done && _gloss)
@@ -233,13 +243,12 @@ Result<std::vector<float>> BouncePass::readLight(osg::State& state)
     return readFloats(state, *_light, 4);
 }
 
-std::vector<osg::Texture2D*> BouncePass::textures() const
+std::vector<osg::Texture*> BouncePass::textures() const
 {
-    std::vector<osg::Texture2D*> all = {_stepLengths, _heightPyramid, _radiancePyramid, _radiance,
-                                        _light};
-    for (const auto& vector : _vectors)
-        if (vector)
-            all.push_back(vector);
+    std::vector<osg::Texture*> all = {_stepLengths, _heightPyramid, _radiancePyramid, _radiance,
+                                      _light};
+    if (_farRadiance)
+        all.push_back(_farRadiance);
     return all;
 }
 
@@ -247,8 +256,8 @@ std::vector<GpuPass*> BouncePass::passes() const
 {
     std::vector<GpuPass*> all = {_directRadiance, _bouncedRadiance, _firstBounce,   _nextBounce,
                                  _firstHeights,   _nextHeights,     _firstRadiance, _nextRadiance};
-    if (_upsample)
-        all.push_back(_upsample);
+    if (_firstFar)
+        all.insert(all.end(), {_firstFar, _nextFar});
     return all;
 }
 

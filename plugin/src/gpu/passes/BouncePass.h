@@ -52,7 +52,8 @@ class OSGTERRAINLIGHT_EXPORT BouncePass : public Bounces
 {
 public:
     /// heights: createHeightTexture(tile, HorizonPass::frame). eastSpacings: one texel per row.
-    /// stride: light is gathered at every stride-th post in both directions, 1, 2 or 4. gloss: null
+    /// stride: what is farther than so many posts is looked at from every stride-th post in both
+    /// directions, 1, 2 or 4. gloss: null
     /// where nothing is glossy; else its dispatchDirect() comes before dispatch().
     BouncePass(const DemTile& tile, osg::Texture2D* heights, osg::Texture2D* eastSpacings,
                const BounceScheme& scheme, int azimuths, int stride = 1,
@@ -72,7 +73,7 @@ public:
 
 private:
     ~BouncePass() override = default;
-    std::vector<osg::Texture2D*> textures() const override;
+    std::vector<osg::Texture*> textures() const override;
     std::vector<GpuPass*> passes() const override;
 
     int _width, _height, _stride;
@@ -85,8 +86,9 @@ private:
     osg::ref_ptr<osg::Texture2D> _light;
     osg::ref_ptr<GpuPass> _directRadiance, _bouncedRadiance; ///< of cells
     osg::ref_ptr<GpuPass> _firstBounce, _nextBounce;
-    std::array<osg::ref_ptr<osg::Texture2D>, 3> _vectors; ///< of colours, where the stride is not 1
-    osg::ref_ptr<GpuPass> _upsample;                      ///< ditto
+    // Where the stride is not 1:
+    osg::ref_ptr<GpuPass> _firstFar, _nextFar;
+    osg::ref_ptr<osg::Texture2DArray> _farRadiance; ///< of blocks, a layer per azimuth
     osg::ref_ptr<GpuPass> _firstHeights, _nextHeights, _firstRadiance, _nextRadiance;
     osg::ref_ptr<GlossPass> _gloss;
 };

@@ -52,7 +52,7 @@ Status Bounces::keep(osg::State& state, osg::Texture2D* light, int bounce)
 std::size_t Bounces::bytes() const
 {
     std::size_t sum = 0;
-    for (const osg::Texture2D* texture : textures())
+    for (const osg::Texture* texture : textures())
         sum += textureBytes(*texture);
     return sum;
 }
@@ -61,7 +61,7 @@ void Bounces::releaseGLObjects(osg::State* state) const
 {
     for (const GpuPass* pass : passes())
         pass->releaseGLObjects(state);
-    for (const osg::Texture2D* texture : textures())
+    for (const osg::Texture* texture : textures())
         texture->releaseGLObjects(state);
 }
 
@@ -69,7 +69,7 @@ void Bounces::resizeGLObjectBuffers(unsigned size)
 {
     for (GpuPass* pass : passes())
         pass->resizeGLObjectBuffers(size);
-    for (osg::Texture2D* texture : textures())
+    for (osg::Texture* texture : textures())
         texture->resizeGLObjectBuffers(size);
 }
 

@@ -76,7 +76,7 @@ public:
 
 protected:
     ~Bounces() override = default;
-    virtual std::vector<osg::Texture2D*> textures() const = 0;
+    virtual std::vector<osg::Texture*> textures() const = 0;
     virtual std::vector<GpuPass*> passes() const = 0;
 
     /// For a way that has the light of each bounce, 0, 1, …: to be called after it.

@@ -95,9 +95,9 @@ Result<std::vector<float>> LegendreBouncePass::readLight(osg::State& state)
     return readFloats(state, *light, 4);
 }
 
-std::vector<osg::Texture2D*> LegendreBouncePass::textures() const
+std::vector<osg::Texture*> LegendreBouncePass::textures() const
 {
-    std::vector<osg::Texture2D*> all = {_radiance, _radiancePyramid};
+    std::vector<osg::Texture*> all = {_radiance, _radiancePyramid};
     if (_light)
         all.push_back(_light);
     return all;

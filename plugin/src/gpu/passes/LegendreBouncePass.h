@@ -33,7 +33,7 @@ public:
 
 private:
     ~LegendreBouncePass() override = default;
-    std::vector<osg::Texture2D*> textures() const override;
+    std::vector<osg::Texture*> textures() const override;
     std::vector<GpuPass*> passes() const override;
 
     /// Where a bounce is added: a shading, which stays a radiance, or signed light; fresh: its
