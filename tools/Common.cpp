@@ -4,6 +4,7 @@
 
 #include "gpu/passes/HorizonPass.h"
 #include "io/LightParameters.h"
+#include <osgTerrainLight/Environment.h>
 
 #include <cpl_conv.h>
 #include <cpl_string.h>
@@ -289,13 +290,11 @@ void addBounces(CLI::App& app, RasterOptions& options)
            "How bounces are gathered: slices, exactly; legendre or legendre-bspline: all light, "
            "direct light too, as Nowrouzezahrai and Snyder 2009; default slices")
         ->check(CLI::IsMember({"slices", "legendre", "legendre-bspline"}))
-        ->type_name("NAME")
-        ->needs("--bounces");
+        ->type_name("NAME");
     addNumbers(
         app, "--subsampling", "N", {"subsampling"},
         "Gather bounces, and direct light by legendre, at every N-th post, 1, 2 or 4; default 1",
-        [&options](const auto& v) { options.settings.subsampling = static_cast<int>(v[0]); })
-        ->needs("--bounces");
+        [&options](const auto& v) { options.settings.subsampling = static_cast<int>(v[0]); });
     app.add_option_function<std::string>(
            "--albedo",
            [&options](const std::string& given)
@@ -410,6 +409,78 @@ void addSunRadius(CLI::App& app, SkyLight& sky)
                [&sky](const auto& v) { sky.sunAngularRadius = v[0]; });
 }
 
+void addSky(CLI::App& app, SkyLight& sky, std::string& file)
+{
+    app.add_option_function<std::string>(
+           "--sky",
+           [&sky, &file](const std::string& kind)
+           {
+               LightParameters parameters;
+               if (const Status set = setLightParameter(parameters, "sky", kind); !set)
+                   throw CLI::ValidationError("--sky", set.error().message);
+               sky.skyEnabled = parameters.sky.skyEnabled;
+               sky.skyModel = parameters.sky.skyModel;
+               file = parameters.skyFile;
+           },
+           "Light of the sky: uniform, overcast, clear, none, or a panorama's file (OpenEXR, HDR), "
+           "with the sun that is found in it; default uniform")
+        ->type_name("KIND|FILE");
+    addNumbers(app, "--turbidity", "T", {"turbidity"},
+               "Of a clear sky's air: 2 clear ... 10 haze; default " + text(sky.turbidity),
+               [&sky](const auto& v) { sky.turbidity = v[0]; });
+    addNumbers(app, "--sky-heading", "DEGREES", {"sky-heading"},
+               "Turns a sky from a file clockwise; default 0",
+               [&sky](const auto& v) { sky.environmentHeading = v[0]; });
+    addNumbers(app, "--sky-gain", "V", {"sky-gain"},
+               "Multiplies the radiance of a sky from a file; default 1",
+               [&sky](const auto& v) { sky.environmentGain = v[0]; });
+}
+
+Status readSky(const CLI::App& app, SkyLight& sky, const std::string& file)
+{
+    const auto given = [&app](const char* option)
+    {
+        const CLI::Option* found = app.get_option_no_throw(option);
+        return found && found->count() > 0;
+    };
+    if (!sky.skyHarmonics.empty() && given("--sky"))
+        throw CLI::ValidationError("--sky-harmonics", "is a sky: leave out --sky");
+    if (given("--turbidity") && sky.skyModel != SkyModel::Clear)
+        throw CLI::ValidationError("--turbidity", "needs --sky clear");
+    if (given("--sky-radiance") &&
+        (!file.empty() || sky.skyModel == SkyModel::Clear || !sky.skyHarmonics.empty()))
+        throw CLI::ValidationError(
+            "--sky-radiance", "needs a uniform or an overcast sky: other skies have their own");
+    if (file.empty())
+    {
+        for (const char* option : {"--sky-heading", "--sky-gain"})
+            if (given(option))
+                throw CLI::ValidationError(option, "needs --sky FILE");
+        return Nothing{};
+    }
+    for (const char* option : {"--sun", "--sun-radius", "--sun-irradiance", "--time"})
+        if (given(option))
+            throw CLI::ValidationError(
+                option, "the sun is the one in " + file +
+                            ": --sky-heading turns it, --sky-gain changes its strength");
+    std::string problem;
+    const std::shared_ptr<const Environment> environment = readEnvironment(file, problem);
+    if (!environment)
+        return Error{ErrorCode::Invalid, problem};
+    const bool withoutSun = !sky.sunEnabled;
+    sky.setEnvironment(environment, sky.environmentHeading, sky.environmentGain);
+    sky.sunEnabled = sky.sunEnabled && !withoutSun;
+    return Nothing{};
+}
+
+void addBodyRadius(CLI::App& app, LightingSettings& settings)
+{
+    addNumbers(app, "--body-radius", "METRES", {"body-radius"},
+               "Radius of the planet, below whose horizon terrain sinks, 1000 or more; Earth "
+               "6371000, as light in its air sees it 7323000; default 0: flat",
+               [&settings](const auto& v) { settings.bodyRadius = v[0]; });
+}
+
 void addAreaLights(CLI::App& app, SkyLight& sky)
 {
     app.add_option_function<std::vector<std::string>>(
@@ -489,6 +560,7 @@ void addRasterOptions(CLI::App& app, RasterOptions& options, bool azimuths)
         ->type_name("");
     app.add_option("OUTPUT", options.output.path, "File to write")->required()->type_name("");
     addSettings(app, options.settings, azimuths);
+    addBodyRadius(app, options.settings);
     addReadOptions(app, options.read);
     addOutputOptions(app, options.output);
 }
@@ -505,7 +577,7 @@ void addBudget(CLI::App& app, RasterOptions& options)
                    "milliseconds of GPU time",
                    [&options](const auto& v) { options.maxMilliseconds = v[0]; })};
     budgets[0]->excludes(budgets[1]);
-    for (const char* setting : {"--azimuths", "--quality"})
+    for (const char* setting : {"--azimuths", "--quality", "--body-radius"})
         if (CLI::Option* option = app.get_option_no_throw(setting))
             for (CLI::Option* budget : budgets)
                 budget->excludes(option);
@@ -603,6 +675,13 @@ void addSun(Metadata& metadata, const SkyLight& sky)
 
 void addAreaLights(Metadata& metadata, const SkyLight& sky)
 {
+    if (sky.skyEnabled && sky.environment)
+    {
+        add(metadata, "SKY_HEADING", text(sky.environmentHeading));
+        add(metadata, "SKY_GAIN", text(sky.environmentGain));
+    }
+    else if (sky.skyEnabled && sky.skyModel == SkyModel::Clear)
+        add(metadata, "TURBIDITY", text(sky.turbidity));
     if (sky.skyEnabled && !sky.skyHarmonics.empty())
         add(metadata, "SKY_HARMONICS", textOf(sky.skyHarmonics));
     if (!sky.keyLights.empty())
@@ -617,6 +696,8 @@ Metadata describe(const std::string& mode, const LitTile& lit, bool azimuths)
     if (azimuths)
         add(metadata, "AZIMUTHS", std::to_string(lit.settings.azimuths));
     add(metadata, "QUALITY", toString(lit.settings.quality));
+    if (lit.settings.bodyRadius > 0.0)
+        add(metadata, "BODY_RADIUS", text(lit.settings.bodyRadius));
     if (lit.choice)
         add(metadata, "ERROR_BOUND", text(lit.choice->error));
     return metadata;

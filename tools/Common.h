@@ -81,6 +81,13 @@ void addSettings(CLI::App& app, LightingSettings& settings, bool azimuths = true
 void addExposure(CLI::App& app, LightingSettings& settings);
 void addSun(CLI::App& app, SkyLight& sky);
 void addSunRadius(CLI::App& app, SkyLight& sky);
+/// --sky, --turbidity, --sky-heading, --sky-gain. file: where the sky is one from a file.
+void addSky(CLI::App& app, SkyLight& sky, std::string& file);
+/// Reads the sky's file, where there is one, and takes its sun, unless --no-sun or --light said to
+/// leave it out. Throws CLI::ValidationError where options contradict each other.
+Status readSky(const CLI::App& app, SkyLight& sky, const std::string& file);
+/// --body-radius.
+void addBodyRadius(CLI::App& app, LightingSettings& settings);
 /// --key-light and --sky-harmonics.
 void addAreaLights(CLI::App& app, SkyLight& sky);
 void addReadOptions(CLI::App& app, DemReadOptions& read);

@@ -2,6 +2,7 @@
 
 #include "core/AzimuthSet.h"
 
+#include <cmath>
 #include <limits>
 
 namespace osgTerrainLight::tool
@@ -9,13 +10,29 @@ namespace osgTerrainLight::tool
 namespace
 {
 
-Raster<float> bandOf(const HorizonMap& map, int azimuth)
+/// Above each post's own horizontal: on a planet it is not the one of the tile's middle, to which
+/// the map refers.
+Raster<float> bandOf(const HorizonMap& map, int azimuth, const DemTile& tile, double bodyRadius)
 {
+    constexpr double degreesPerRadian = 180.0 / 3.14159265358979323846;
+    const MapDirection direction = AzimuthSet(map.azimuthCount()).direction(azimuth);
     Raster<float> values(map.width(), map.height(), std::numeric_limits<float>::quiet_NaN());
     for (int row = 0; row < map.height(); ++row)
         for (int column = 0; column < map.width(); ++column)
             if (map.isValid(column, row))
-                values.at(column, row) = static_cast<float>(map.elevationAt(column, row, azimuth));
+            {
+                double elevation = map.elevationAt(column, row, azimuth);
+                if (bodyRadius > 0.0)
+                {
+                    const double east = (column - 0.5 * (tile.width() - 1)) * tile.eastSpacing(row);
+                    const double north = (row - 0.5 * (tile.height() - 1)) * tile.northSpacing;
+                    const double tilt =
+                        (east * direction.east + north * direction.north) / bodyRadius;
+                    elevation =
+                        std::atan(std::tan(elevation / degreesPerRadian) + tilt) * degreesPerRadian;
+                }
+                values.at(column, row) = static_cast<float>(elevation);
+            }
     return values;
 }
 
@@ -35,7 +52,10 @@ Status run(const RasterOptions& options)
         const HorizonMap map = lit.lighting->readHorizons(lit.gpu.state());
         return writeBands(options.output, lit.dem.frame, labels, describe("horizon", lit, true),
                           progress,
-                          [&](int band) { return bandOf(map, azimuths.indexOfBand(band - 1)); });
+                          [&](int band) {
+                              return bandOf(map, azimuths.indexOfBand(band - 1), lit.dem.tile,
+                                            lit.settings.bodyRadius);
+                          });
     };
     return process("horizon", options, sky, SettingsTrial::Product::Shading,
                    SkyViewDefinition::Surface, azimuths.count(), write);

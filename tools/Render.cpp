@@ -35,6 +35,7 @@ struct Options
     OutputOptions output;
     int width = 1024, height = 768;
     SkyLight sky;
+    std::string skyFile;
     LightingSettings settings;
     std::string light = "both";
     double cellSize = 1.0;
@@ -79,6 +80,9 @@ std::string readerOptions(const CLI::App& app, const Options& options)
     };
     add("--sun", "sun_azimuth", text(options.sky.sunAzimuth));
     add("--sun", "sun_elevation", text(options.sky.sunElevation));
+    add("--sky", "sky", options.sky.skyEnabled ? toString(options.sky.skyModel) : "none");
+    add("--turbidity", "turbidity", text(options.sky.turbidity));
+    add("--body-radius", "body_radius", text(options.settings.bodyRadius));
     add("--azimuths", "azimuths", std::to_string(options.settings.azimuths));
     add("--quality", "quality", toString(options.settings.quality));
     add("--bounces", "bounces", std::to_string(options.settings.bounces));
@@ -197,6 +201,31 @@ std::vector<std::uint8_t> draw(osgViewer::Viewer& viewer, const Options& options
     return pixels;
 }
 
+/// Gives all terrain the sky of a file.
+class SkySetter : public osg::NodeVisitor
+{
+public:
+    explicit SkySetter(const SkyLight& from) : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN), _from(from)
+    {
+    }
+
+    void apply(osg::Group& group) override
+    {
+        if (auto* lighting = dynamic_cast<TerrainLighting*>(&group))
+        {
+            SkyLight sky = lighting->getSkyLight();
+            const bool withSun = sky.sunEnabled;
+            sky.setEnvironment(_from.environment, _from.environmentHeading, _from.environmentGain);
+            sky.sunEnabled = sky.sunEnabled && withSun;
+            lighting->setSkyLight(sky);
+        }
+        traverse(group);
+    }
+
+private:
+    const SkyLight& _from;
+};
+
 /// The first reason why something in the scene was drawn unlit.
 class FailureFinder : public osg::NodeVisitor
 {
@@ -213,8 +242,10 @@ public:
     }
 };
 
-Status run(const CLI::App& app, const Options& options)
+Status run(const CLI::App& app, Options options)
 {
+    if (Status read = readSky(app, options.sky, options.skyFile); !read)
+        return read;
     refuseSameFile(options.scene, options.output.path);
     if (Status writable = checkOutput(options.output, 0); !writable)
         return writable;
@@ -231,6 +262,11 @@ Status run(const CLI::App& app, const Options& options)
     Result<osg::ref_ptr<osg::Node>> scene = load(app, options);
     if (!scene)
         return scene.error();
+    if (options.sky.environment)
+    {
+        SkySetter setter(options.sky);
+        (*scene)->accept(setter);
+    }
     osg::ComputeBoundsVisitor bounds;
     (*scene)->accept(bounds);
     if (!bounds.getBoundingBox().valid())
@@ -281,6 +317,7 @@ Mode addRender(CLI::App& tool)
                 "  terrainlight render dem.tif picture.png --sun 300,25\n"
                 "  terrainlight render dem.tif map.png --top --size 800,800\n"
                 "  terrainlight render dem.tif wet.png --sun 0,30 --gloss 0.3 --bounces 1\n"
+                "  terrainlight render dem.tif evening.png --sun 270,4 --sky clear\n"
                 "  terrainlight render map.earth near.png --camera 225,20,0.5 --exposure 0.5\n"
                 "  terrainlight render scene.osgt scene.png --size 640,480");
     const auto options = std::make_shared<Options>();
@@ -317,7 +354,9 @@ Mode addRender(CLI::App& tool)
     app->add_flag("--top", options->top, "Straight down, north up, without perspective")
         ->excludes(eye);
     addSun(*app, options->sky);
+    addSky(*app, options->sky, options->skyFile);
     addAreaLights(*app, options->sky);
+    addBodyRadius(*app, options->settings);
     app->add_option("--light", options->light, "What lights the terrain; default both")
         ->check(CLI::IsMember({"off", "sky", "sun", "both"}))
         ->type_name("WHAT");

@@ -1,5 +1,7 @@
 #include "Common.h"
 
+#include "core/SkyRadiance.h"
+
 #include "io/ExrFile.h"
 
 #include <cpl_conv.h>
@@ -17,6 +19,7 @@ namespace
 struct Options : RasterOptions
 {
     SkyLight sky;
+    std::string skyFile;
 };
 
 bool isPicture(const OutputOptions& output)
@@ -108,10 +111,15 @@ Metadata metadataOf(const Options& options, const LitTile& lit)
 {
     Metadata metadata =
         describe("shade", lit, options.sky.skyEnabled || !options.sky.keyLights.empty());
-    const bool uniform = options.sky.skyHarmonics.empty();
-    add(metadata, "SKY", !options.sky.skyEnabled ? "none" : uniform ? "uniform" : "harmonics");
+    const SkyLight& sky = options.sky;
+    add(metadata, "SKY",
+        !sky.skyEnabled             ? "none"
+        : sky.environment           ? options.skyFile
+        : !sky.skyHarmonics.empty() ? "harmonics"
+                                    : toString(sky.skyModel));
     addAreaLights(metadata, options.sky);
-    if (options.sky.skyEnabled && uniform)
+    if (sky.skyEnabled && !sky.environment && sky.skyHarmonics.empty() &&
+        sky.skyModel != SkyModel::Clear)
         add(metadata, "SKY_RADIANCE", text(options.sky.skyRadiance));
     add(metadata, "BOUNCES", std::to_string(options.settings.bounces));
     if (options.settings.bounces > 0 || options.settings.bounceMethod != BounceMethod::Slices)
@@ -133,20 +141,20 @@ Metadata metadataOf(const Options& options, const LitTile& lit)
     return metadata;
 }
 
-Status run(const Options& options)
+Status run(const CLI::App& app, Options options)
 {
+    if (Status read = readSky(app, options.sky, options.skyFile); !read)
+        return read;
     if ((options.maxError || options.maxMilliseconds) &&
         options.settings.bounceMethod != BounceMethod::Slices)
         throw CLI::ValidationError("--bounce-method",
                                    std::string(toString(options.settings.bounceMethod)) +
                                        ": settings can be chosen for slices only");
-    if (!options.sky.skyHarmonics.empty() && !options.sky.skyEnabled)
-        throw CLI::ValidationError("--sky-harmonics", "needs a sky: leave out --sky none");
     if ((options.maxError || options.maxMilliseconds) &&
-        (!options.sky.skyHarmonics.empty() || !options.sky.keyLights.empty()))
+        (skyHasTable(options.sky) || !options.sky.keyLights.empty()))
         throw CLI::ValidationError(options.maxError ? "--max-error" : "--max-ms",
                                    "chooses settings for a uniform sky and a sun: needs neither "
-                                   "--key-light nor --sky-harmonics");
+                                   "another sky nor --key-light");
     const auto write = [&](LitTile& lit, Progress& progress)
     {
         const Raster<osg::Vec4f> shading = lit.lighting->readShading(lit.gpu.state());
@@ -178,6 +186,9 @@ Mode addShade(CLI::App& tool)
                 "  terrainlight shade dem.tif glow.png --bounces 2 --albedo photo.tif\n"
                 "  terrainlight shade dem.tif key.png --no-sun --key-light 300,30,20,50,6,4,2\n"
                 "  terrainlight shade dem.tif sky.exr --no-sun --sky-radiance 1,1,1\n"
+                "  terrainlight shade dem.tif day.png --sky clear --turbidity 3 --sun 120,30\n"
+                "  terrainlight shade dem.tif studio.png --sky panorama.exr --sky-heading 90\n"
+                "  terrainlight shade moon.tif moon.png --sky none --body-radius 1737400\n"
                 "  terrainlight shade dem.tif sun.tif --sun 120,10 --sky none "
                 "-co COMPRESS=DEFLATE");
     const auto options = std::make_shared<Options>();
@@ -188,12 +199,7 @@ Mode addShade(CLI::App& tool)
     addSunRadius(*app, options->sky);
     app->add_flag_function(
         "--no-sun", [options](std::int64_t) { options->sky.sunEnabled = false; }, "Sky light only");
-    app->add_option_function<std::string>(
-           "--sky",
-           [options](const std::string& kind) { options->sky.skyEnabled = kind != "none"; },
-           "Light of the sky; default uniform")
-        ->check(CLI::IsMember({"uniform", "none"}))
-        ->type_name("KIND");
+    addSky(*app, options->sky, options->skyFile);
     const auto colour = [&](const std::string& name, const std::string& help, Rgb& target)
     {
         addNumbers(*app, "--" + name, "R,G,B", {name, name, name},
@@ -205,11 +211,11 @@ Mode addShade(CLI::App& tool)
                    });
     };
     colour("sun-irradiance", "On a surface that faces the sun", options->sky.sunIrradiance);
-    colour("sky-radiance", "Of the uniform sky", options->sky.skyRadiance);
+    colour("sky-radiance", "Of the uniform sky, or of the overcast one at the zenith",
+           options->sky.skyRadiance);
     addAreaLights(*app, options->sky);
-    app->get_option("--sky-radiance")->excludes("--sky-harmonics");
     addExposure(*app, options->settings);
-    return {app, [options] { return run(*options); }};
+    return {app, [app, options] { return run(*app, *options); }};
 }
 
 } // namespace osgTerrainLight::tool

@@ -3,6 +3,7 @@
 #include "gpu/HeadlessContext.h"
 #include "scene/TileLighting.h"
 #include "support/GlContext.h"
+#include <osgTerrainLight/Environment.h>
 
 #include <osg/GLExtensions>
 
@@ -35,6 +36,26 @@ struct TileState
 DemTile terrain()
 {
     return generateTerrain(TerrainKind::Fractal, width, height, 30.0, 3).value();
+}
+
+const std::vector<std::shared_ptr<const Environment>>& panoramas()
+{
+    static const auto made = []
+    {
+        std::vector<std::shared_ptr<const Environment>> list;
+        std::mt19937 random(5);
+        for (int i = 0; i < 2; ++i)
+        {
+            std::vector<Rgb> radiance(16 * 8);
+            for (Rgb& texel : radiance)
+                for (float& channel : texel)
+                    channel = std::uniform_real_distribution<float>(0.0f, 1.0f)(random);
+            std::string problem;
+            list.push_back(createEnvironment(16, 8, radiance, problem));
+        }
+        return list;
+    }();
+    return made;
 }
 
 /// A step of a walk: changes one thing.
@@ -74,7 +95,7 @@ private:
     std::string changeSettings(TileState& state, TileLighting& lighting)
     {
         LightingSettings& s = state.settings;
-        const int what = below(9);
+        const int what = below(10);
         switch (what)
         {
         case 0:
@@ -90,7 +111,7 @@ private:
             s.bounceMethod = below(3) ? BounceMethod::Slices : BounceMethod::Legendre;
             break;
         case 4:
-            s.subsampling = 1 + below(2);
+            s.subsampling = 1 << below(3);
             break;
         case 5:
             s.bounceInterval = 1 + 2 * below(3);
@@ -102,6 +123,9 @@ private:
             s.gloss = below(3) ? 0.4 : 0.0;
             s.glossExponent = 4.0 + 4.0 * below(2);
             break;
+        case 8:
+            s.bodyRadius = below(2) ? 5.0e3 : 0.0;
+            break;
         default:
             s.glossTransfer = below(2) ? GlossTransfer::Vector : GlossTransfer::Scalar;
         }
@@ -112,7 +136,7 @@ private:
     std::string changeSky(TileState& state, TileLighting& lighting)
     {
         SkyLight& sky = state.sky;
-        const int what = below(6);
+        const int what = below(8);
         switch (what)
         {
         case 0:
@@ -131,6 +155,15 @@ private:
         case 4:
             sky.skyHarmonics.assign(std::vector<std::size_t>{0, 1, 4}[std::size_t(below(3))],
                                     Rgb{unit(), unit(), unit()});
+            break;
+        case 5:
+            sky.skyModel = SkyModel(below(3));
+            sky.turbidity = 2.0 + below(3);
+            break;
+        case 6:
+            sky.environment = below(3) ? panoramas()[std::size_t(below(2))] : nullptr;
+            sky.environmentHeading = 100.0 * below(3);
+            sky.environmentGain = 0.5 + unit();
             break;
         default:
             sky.keyLights.assign(std::size_t(below(3)), KeyLight());

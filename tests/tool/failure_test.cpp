@@ -47,6 +47,21 @@ TEST_F(Failure, InputNamesFileAndReason)
         }
 }
 
+TEST_F(Failure, SkyNamesFileAndReason)
+{
+    writeRaster("plain.tif", 4, 4, std::vector<float>(16, 1.0f), {0, 10, 0, 0, 0, -10});
+    std::ofstream(path("text.exr")) << "not a picture\n";
+    const auto before = left();
+    for (const std::string mode : {"shade plain.tif o.tif -q", "render plain.tif o.png -q"})
+        for (const std::string file : {"missing.exr", "text.exr", "missing.hdr"})
+        {
+            const ToolRun result = run(mode + " --sky " + file);
+            EXPECT_EQ(result.status, 1) << mode << file;
+            EXPECT_TRUE(result.complains("terrainlight: " + file)) << result.err;
+            EXPECT_EQ(left(), before);
+        }
+}
+
 TEST_F(Failure, OutputIsCheckedBeforeTheWork)
 {
     const struct

@@ -56,6 +56,10 @@ public:
     /// East spacing of the middle of the tile [m]: the one that azimuths are laid out with.
     double nominalEastSpacing() const;
 
+    /// How far the ground of a planet of that radius lies at a post below the plane that touches it
+    /// in the middle of the tile [m]; 0 for a radius of 0, which stands for a flat one.
+    double sinkAt(int column, int row, double bodyRadius) const;
+
     /// Map coordinates of post (0, 0) and the steps between posts, in units of the CRS; information
     /// for the caller that places the tile, never used in lighting.
     double mapOriginX = 0.0, mapOriginY = 0.0;

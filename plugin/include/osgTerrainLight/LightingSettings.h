@@ -60,9 +60,11 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
     /// Diffuse bounces of light from terrain to terrain: 0 … 8.
     int bounces = 0;
     BounceMethod bounceMethod = BounceMethod::Slices;
-    /// Bounces are gathered at every 1st, 2nd or 4th post in both directions, and shaded with all
-    /// posts' own normals: 4 and 16 times less work (docs/ARCHITECTURE.md has the errors). With
-    /// Legendre, direct light too.
+    /// Terrain farther than two posts is looked at from every 1st, 2nd or 4th post in both
+    /// directions; what is nearer, normals and horizons are each post's own. A bounce then takes a
+    /// third or a sixth of the time (docs/ARCHITECTURE.md has errors and memory). With Legendre all
+    /// light, direct light too, is gathered there and shaded with all posts' normals. Gloss is not
+    /// thinned out.
     int subsampling = 1;
     /// While only light changes, bounces are computed in every n-th update, 1 … 16, and those of
     /// the last time are added to new direct light in between (Nowrouzezahrai and Snyder 2009,
@@ -83,6 +85,11 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
     GlossTransfer glossTransfer = GlossTransfer::Vector;
     /// Direction of the viewer for GlossTransfer::Scalar: east, north, up, any length but 0.
     std::array<double, 3> glossViewer = {0.0, 0.0, 1.0};
+    /// Radius of the planet [m], 1e3 … 1e12; 0: terrain is flat. Over a distance d from the middle
+    /// of the tile its ground sinks by d² / 2 radius below the plane there, and with it what is
+    /// seen and shadowed. Earth: 6 371 000; light in its air bends as if it had 7 323 000 (R / (1 −
+    /// 0.13)).
+    double bodyRadius = 0.0;
     /// Multiplies the colour before it is encoded to sRGB, in the default program and in PNG
     /// output: 2^exposure. Stops, −20 … 20.
     double exposure = 0.0;
@@ -131,7 +138,8 @@ struct OSGTERRAINLIGHT_EXPORT ParameterRange
     /// Names accepted: azimuths, bounces, subsampling, bounce-interval, albedo, gloss,
     /// gloss-exponent,
     /// exposure, sun-azimuth, sun-elevation, sun-radius, sun-irradiance,
-    /// max-error, max-ms, sky-radiance. Null where there is no such parameter.
+    /// max-error, max-ms, sky-radiance, turbidity, sky-heading, sky-gain,
+    /// body-radius. Null where there is no such parameter.
     static const ParameterRange* find(const std::string& name);
     static const std::vector<ParameterRange>& all();
 

@@ -50,4 +50,13 @@ double DemTile::nominalEastSpacing() const
     return eastSpacing(_height / 2);
 }
 
+double DemTile::sinkAt(int column, int row, double bodyRadius) const
+{
+    if (!(bodyRadius > 0.0))
+        return 0.0;
+    const double east = (column - 0.5 * (_width - 1)) * eastSpacing(row);
+    const double north = (row - 0.5 * (_height - 1)) * northSpacing;
+    return (east * east + north * north) / (2.0 * bodyRadius);
+}
+
 } // namespace osgTerrainLight

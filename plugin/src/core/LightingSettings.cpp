@@ -89,6 +89,10 @@ const std::vector<ParameterRange>& ParameterRange::all()
         {"sun-elevation", "degrees", -90, 90, "above the horizontal"},
         {"sun-radius", "degrees", 0.01, 10, "angular radius of the sun's disc"},
         {"sun-irradiance", "", 0, 1e6, "on a surface that faces the sun, per channel"},
+        {"turbidity", "", 2, 10, "of a clear sky's air: 2 clear ... 10 haze"},
+        {"sky-heading", "degrees", -360, 720, "by which a sky from a file is turned clockwise"},
+        {"sky-gain", "", 0, 1e6, "what the radiance of a sky from a file is multiplied by"},
+        {"body-radius", "m", 0, 1e12, "of the planet, below whose horizon terrain sinks; 0: flat"},
         {"max-error", "", 1e-5, 1, "greatest relative error of the shading, root mean square"},
         {"max-ms", "ms", 0.01, 1e6, "longest time for the light of the whole tile"},
         {"sky-radiance", "", 0, 1e6, "of the uniform sky, per channel"},
@@ -106,7 +110,9 @@ const ParameterRange* ParameterRange::find(const std::string& name)
 
 std::string ParameterRange::complaint(double value) const
 {
-    const bool inRange = value >= minimum && value <= maximum; // false for NaN
+    bool inRange = value >= minimum && value <= maximum; // false for NaN
+    if (name == "body-radius") // none smaller is a planet, and terrain on it no tile
+        inRange = inRange && (value == 0.0 || value >= 1e3);
     const bool isCount = name == "azimuths";
     const bool isPower = name == "subsampling";
     const bool isWhole = isCount || isPower || name == "bounces" || name == "bounce-interval";
@@ -119,7 +125,10 @@ std::string ParameterRange::complaint(double value) const
              : isPower ? "a power of 2, "
              : isWhole ? "a whole number, "
                        : "")
-         << minimum << " ... " << maximum;
+         << (name == "body-radius" ? "0, or 1000" : "");
+    if (name != "body-radius")
+        text << minimum;
+    text << " ... " << maximum;
     return text.str();
 }
 

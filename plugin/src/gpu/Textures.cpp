@@ -113,14 +113,15 @@ osg::ref_ptr<osg::Texture2D> createColourTexture(const Raster<std::array<float, 
     return texture;
 }
 
-osg::ref_ptr<osg::Texture2D> createHeightTexture(const DemTile& tile, int frame)
+osg::ref_ptr<osg::Texture2D> createHeightTexture(const DemTile& tile, int frame, double bodyRadius)
 {
     constexpr float voidHeight = -1.0e30f; // VOID_HEIGHT of lib/surface.glsl
     Raster<float> framed(tile.width() + 2 * frame, tile.height() + 2 * frame, voidHeight);
     for (int y = 0; y < tile.height(); ++y)
         for (int x = 0; x < tile.width(); ++x)
             if (tile.isValid(x, y))
-                framed.at(x + frame, y + frame) = tile.heightAt(x, y);
+                framed.at(x + frame, y + frame) = static_cast<float>(
+                    static_cast<double>(tile.heightAt(x, y)) - tile.sinkAt(x, y, bodyRadius));
     return createFloatTexture(framed);
 }
 

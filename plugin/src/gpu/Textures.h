@@ -19,8 +19,9 @@ namespace osgTerrainLight
 
 /// Height texture of a tile: R32F [m above heightOrigin], row 0 south, framed by `frame` void posts
 /// on every side so that no read leaves it; void posts hold VOID_HEIGHT of lib/surface.glsl.
-OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Texture2D> createHeightTexture(const DemTile& tile,
-                                                                        int frame);
+/// bodyRadius [m]: how a planet's ground sinks towards the edges (LightingSettings); 0: flat.
+OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Texture2D>
+createHeightTexture(const DemTile& tile, int frame, double bodyRadius = 0.0);
 
 /// R32F [m], one texel per row: the distance between its columns.
 OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Texture2D> createSpacingTexture(const DemTile& tile);

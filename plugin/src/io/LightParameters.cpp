@@ -84,6 +84,14 @@ Status setNumbers(LightParameters& parameters, const ParameterRange& range, cons
         parameters.settings.gloss = value;
     else if (range.name == "gloss-exponent")
         parameters.settings.glossExponent = value;
+    else if (range.name == "body-radius")
+        parameters.settings.bodyRadius = value;
+    else if (range.name == "turbidity")
+        parameters.sky.turbidity = value;
+    else if (range.name == "sky-heading")
+        parameters.sky.environmentHeading = value;
+    else if (range.name == "sky-gain")
+        parameters.sky.environmentGain = value;
     else if (range.name == "exposure")
         parameters.settings.exposure = value;
     else if (range.name == "sun-azimuth")
@@ -184,7 +192,7 @@ std::vector<std::string> lightParameterNames()
     std::vector<std::string> names;
     for (const ParameterRange& range : ParameterRange::all())
         names.push_back(underscored(range.name));
-    names.insert(names.end(), {"quality", "bounce_method", "gloss_transfer", "light",
+    names.insert(names.end(), {"quality", "bounce_method", "gloss_transfer", "light", "sky",
                                "sky_harmonics", "key_lights"});
     return names;
 }
@@ -211,6 +219,15 @@ Status setLightParameter(LightParameters& parameters, const std::string& name,
         parameters.lightEnabled = value != "off";
         parameters.sky.skyEnabled = value != "sun";
         parameters.sky.sunEnabled = value != "sky";
+        return Nothing{};
+    }
+    if (name == "sky")
+    {
+        if (value.empty())
+            return refused(name, value, "uniform, overcast, clear, none or a file");
+        parameters.sky.skyEnabled = value != "none";
+        const bool model = value == "none" || fromString(value, parameters.sky.skyModel);
+        parameters.skyFile = model ? "" : value;
         return Nothing{};
     }
     if (name == "sky_harmonics")
@@ -313,9 +330,12 @@ std::string complaint(const KeyLight& key)
 
 std::string complaint(const SkyLight& sky)
 {
-    std::vector<std::string> found = {complaintOf("sun-azimuth", sky.sunAzimuth),
-                                      complaintOf("sun-elevation", sky.sunElevation),
-                                      complaintOf("sun-radius", sky.sunAngularRadius)};
+    std::vector<std::string> found = {
+        complaintOf("sun-azimuth", sky.sunAzimuth), complaintOf("sun-elevation", sky.sunElevation),
+        complaintOf("sun-radius", sky.sunAngularRadius), complaintOf("turbidity", sky.turbidity),
+        complaintOf("sky-gain", sky.environmentGain)};
+    if (!std::isfinite(sky.environmentHeading))
+        found.push_back("sky-heading: not finite");
     for (std::size_t i = 0; i < 3; ++i)
     {
         found.push_back(complaintOf("sun-irradiance", static_cast<double>(sky.sunIrradiance[i])));
@@ -347,6 +367,7 @@ std::string complaint(const LightingSettings& settings)
                                       complaintOf("bounce-interval", settings.bounceInterval),
                                       complaintOf("gloss", settings.gloss),
                                       complaintOf("gloss-exponent", settings.glossExponent),
+                                      complaintOf("body-radius", settings.bodyRadius),
                                       complaintOf("exposure", settings.exposure)};
     for (const float channel : settings.albedo)
         found.push_back(complaintOf("albedo", static_cast<double>(channel)));

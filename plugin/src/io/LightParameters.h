@@ -14,14 +14,17 @@ namespace osgTerrainLight
 /// What people set by name, as reader options (name=value) and in <terrain_light> alike.
 struct LightParameters
 {
+    /// Its environment is not set: a file is read where the light is made.
     SkyLight sky;
+    std::string skyFile; ///< empty: no environment
     LightingSettings settings;
     bool lightEnabled = true;
 };
 
 /// Names, for messages and documentation: those of ParameterRange with '_' for '-', then
 /// "quality" (draft, normal, best), "bounce_method", "gloss_transfer", "light" (off, sky, sun,
-/// both), "sky_harmonics" and "key_lights".
+/// both), "sky" (uniform, overcast, clear, none or an environment's file), "sky_harmonics" and
+/// "key_lights".
 OSGTERRAINLIGHT_EXPORT std::vector<std::string> lightParameterNames();
 
 /// Sets one parameter. Colours are one number or three, separated by blanks or commas.

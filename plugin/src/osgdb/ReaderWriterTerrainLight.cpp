@@ -93,6 +93,7 @@ public:
                            : name == "light"          ? "off, sky, sun or both"
                            : name == "bounce_method"  ? "slices, legendre or legendre-bspline"
                            : name == "gloss_transfer" ? "vector or scalar"
+                           : name == "sky"            ? "uniform, overcast, clear, none or a file"
                            : name == "sky_harmonics"  ? "of the sky, 1, 4, 9 or 16 coefficients"
                            : name == "key_lights"     ? "AZIMUTH,WIDTH,LOWEST,HIGHEST,R,G,B;..."
                                                       : "draft, normal or best");
@@ -181,10 +182,10 @@ private:
             osgDB::Registry::instance()->readNode(path, optionsAt(given, osgDB::getFilePath(path)));
         if (scene.validNode())
         {
-            osg::ref_ptr<TerrainLighting> node = createLighting(options->light);
-            node->addChild(scene.getNode());
-            node->setKeysEnabled(true);
-            return ReadResult(node.get());
+            TerrainModel model;
+            model.node = createLighting(options->light, "", model.warnings);
+            model.node->addChild(scene.getNode());
+            return shown(model);
         }
         if (!exists)
             return ReadResult::FILE_NOT_FOUND;

@@ -1,5 +1,8 @@
 #include <osgTerrainLight/TerrainLighting.h>
 
+#include <osgTerrainLight/Environment.h>
+
+#include <osg/Notify>
 #include <osgDB/InputStream>
 #include <osgDB/ObjectWrapper>
 #include <osgDB/OutputStream>
@@ -44,7 +47,48 @@ static bool writeSkyLight(osgDB::OutputStream& os, const osgTerrainLight::Terrai
     return true;
 }
 
-// What few scenes have is written where they have it.
+// What few scenes have is written where they have it: model, turbidity; file, heading, gain.
+static bool checkSkyModel(const osgTerrainLight::TerrainLighting& node)
+{
+    const osgTerrainLight::SkyLight& sky = node.getSkyLight();
+    return sky.skyModel != osgTerrainLight::SkyModel::Uniform || sky.environment;
+}
+
+static bool readSkyModel(osgDB::InputStream& is, osgTerrainLight::TerrainLighting& node)
+{
+    osgTerrainLight::SkyLight sky = node.getSkyLight();
+    std::string model, file, problem;
+    is >> is.BEGIN_BRACKET;
+    is >> is.PROPERTY("Model");
+    is.readWrappedString(model);
+    is >> sky.turbidity;
+    is >> is.PROPERTY("Environment");
+    is.readWrappedString(file);
+    is >> sky.environmentHeading >> sky.environmentGain;
+    is >> is.END_BRACKET;
+    if (!fromString(model, sky.skyModel))
+        OSG_WARN << "osgTerrainLight: no sky model is called " << model << std::endl;
+    // The sun is read already: the one that was saved, found there or not.
+    if (!file.empty() && !(sky.environment = osgTerrainLight::readEnvironment(file, problem)))
+        OSG_WARN << "osgTerrainLight: left out the sky: " << problem << std::endl;
+    node.setSkyLight(sky);
+    return true;
+}
+
+static bool writeSkyModel(osgDB::OutputStream& os, const osgTerrainLight::TerrainLighting& node)
+{
+    const osgTerrainLight::SkyLight& sky = node.getSkyLight();
+    os << os.BEGIN_BRACKET << std::endl;
+    os << os.PROPERTY("Model");
+    os.writeWrappedString(toString(sky.skyModel));
+    os << sky.turbidity << std::endl;
+    os << os.PROPERTY("Environment");
+    os.writeWrappedString(sky.environment ? sky.environment->name : std::string());
+    os << sky.environmentHeading << sky.environmentGain << std::endl;
+    os << os.END_BRACKET << std::endl;
+    return true;
+}
+
 static bool checkSkyHarmonics(const osgTerrainLight::TerrainLighting& node)
 {
     return !node.getSkyLight().skyHarmonics.empty();
@@ -141,6 +185,7 @@ static bool readSettings(osgDB::InputStream& is, osgTerrainLight::TerrainLightin
                  << "legendre or legendre-bspline" << std::endl;
     is >> is.PROPERTY("Subsampling") >> settings.subsampling;
     is >> is.PROPERTY("BounceInterval") >> settings.bounceInterval;
+    is >> is.PROPERTY("BodyRadius") >> settings.bodyRadius;
     is >> is.PROPERTY("Albedo");
     for (float& channel : settings.albedo)
         is >> channel;
@@ -170,6 +215,7 @@ static bool writeSettings(osgDB::OutputStream& os, const osgTerrainLight::Terrai
     os << os.PROPERTY("BounceMethod") << std::string(toString(settings.bounceMethod)) << std::endl;
     os << os.PROPERTY("Subsampling") << settings.subsampling << std::endl;
     os << os.PROPERTY("BounceInterval") << settings.bounceInterval << std::endl;
+    os << os.PROPERTY("BodyRadius") << settings.bodyRadius << std::endl;
     os << os.PROPERTY("Albedo");
     for (const float channel : settings.albedo)
         os << channel;
@@ -192,6 +238,7 @@ REGISTER_OBJECT_WRAPPER(osgTerrainLight_TerrainLighting, new osgTerrainLight::Te
     ADD_USER_SERIALIZER(Settings);
     ADD_USER_SERIALIZER(SkyHarmonics);
     ADD_USER_SERIALIZER(KeyLights);
+    ADD_USER_SERIALIZER(SkyModel);
     ADD_BOOL_SERIALIZER(LightEnabled, true);
     ADD_DOUBLE_SERIALIZER(TimeBudget, 50.0);
     ADD_UINT_SERIALIZER(TextureUnit, osgTerrainLight::ShadingTexture::defaultUnit);

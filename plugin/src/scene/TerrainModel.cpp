@@ -1,6 +1,7 @@
 #include "scene/TerrainModel.h"
 
 #include "scene/TerrainTileReader.h"
+#include <osgTerrainLight/Environment.h>
 
 #include <osg/Image>
 #include <osg/MatrixTransform>
@@ -163,10 +164,25 @@ osg::ref_ptr<osg::Node> createTerrain(const DemTile& tile, const std::vector<Col
     return placed;
 }
 
-osg::ref_ptr<TerrainLighting> createLighting(const LightParameters& light)
+osg::ref_ptr<TerrainLighting> createLighting(const LightParameters& light,
+                                             const std::string& folder,
+                                             std::vector<std::string>& warnings)
 {
     osg::ref_ptr<TerrainLighting> node = new TerrainLighting;
-    node->setSkyLight(light.sky);
+    SkyLight sky = light.sky;
+    std::string problem;
+    const std::shared_ptr<const Environment> environment =
+        light.skyFile.empty() ? nullptr : readEnvironment(resolved(light.skyFile, folder), problem);
+    if (environment)
+    {
+        const bool withoutSun = !sky.sunEnabled;
+        sky.setEnvironment(environment, sky.environmentHeading, sky.environmentGain);
+        if (withoutSun)
+            sky.sunEnabled = false;
+    }
+    else if (!light.skyFile.empty())
+        warnings.push_back("left out the sky: " + problem);
+    node->setSkyLight(sky);
     node->setSettings(light.settings);
     node->setLightEnabled(light.lightEnabled);
     return node;
@@ -179,7 +195,7 @@ Result<TerrainModel> loadRaster(const std::string& path, std::optional<double> c
     if (!file)
         return file.error();
     TerrainModel model;
-    model.node = createLighting(light);
+    model.node = createLighting(light, "", model.warnings);
     osg::ref_ptr<osg::Node> terrain = createTerrain(file->tile);
     terrain->setName(baseName(path));
     model.node->addChild(terrain);
@@ -190,7 +206,7 @@ Result<TerrainModel> loadRaster(const std::string& path, std::optional<double> c
 TerrainModel loadMap(const EarthMap& map, const std::string& folder, const std::string& source)
 {
     TerrainModel model;
-    model.node = createLighting(map.light);
+    model.node = createLighting(map.light, folder, model.warnings);
     model.node->setName(map.name);
     model.notes = map.notes;
     const auto leaveOut = [&](const EarthLayer& layer, const std::string& reason)

@@ -31,8 +31,11 @@ constexpr int mostDrawnPosts = 2048;
 OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Node>
 createTerrain(const DemTile& tile, const std::vector<ColourImage>& colours = {});
 
-/// A node with the light that people asked for, without terrain.
-OSGTERRAINLIGHT_EXPORT osg::ref_ptr<TerrainLighting> createLighting(const LightParameters& light);
+/// A node with the light that people asked for, without terrain. folder: what the relative name of
+/// a sky's file starts from. A sky that cannot be read is left out, with a warning.
+OSGTERRAINLIGHT_EXPORT osg::ref_ptr<TerrainLighting>
+createLighting(const LightParameters& light, const std::string& folder,
+               std::vector<std::string>& warnings);
 
 /// A lit DEM. cellSize [m]: of a raster without geotransform.
 OSGTERRAINLIGHT_EXPORT Result<TerrainModel>

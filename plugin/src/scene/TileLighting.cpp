@@ -203,6 +203,7 @@ void TileLighting::setSettings(const LightingSettings& settings)
     Lock lock(_mutex);
     const bool changed = settings.azimuths != _settings.azimuths ||
                          settings.quality != _settings.quality ||
+                         settings.bodyRadius != _settings.bodyRadius ||
                          settings.bounceMethod != _settings.bounceMethod;
     if (settings.subsampling != _settings.subsampling)
     {
@@ -226,6 +227,7 @@ void TileLighting::setSettings(const LightingSettings& settings)
         _chain.touch(_bounceValue);
     }
     const int before = frame();
+    const double radiusBefore = _settings.bodyRadius;
     _settings = settings;
     followGloss();
     if (!changed)
@@ -239,7 +241,7 @@ void TileLighting::setSettings(const LightingSettings& settings)
     _bounce = nullptr;
     _glossPass = nullptr;
     _chain.touch(_settingsValue);
-    if (frame() != before)
+    if (frame() != before || _settings.bodyRadius != radiusBefore)
     {
         createHeights();
         _chain.touch(_heightsValue);
@@ -263,11 +265,16 @@ void TileLighting::createHeights()
     {
         // They are written by a pass: a texture with an image would be loaded from it.
         _heights = createTarget(width() + 2 * frame(), height() + 2 * frame(), GL_R32F);
+        _framePass->reads("eastSpacings", _eastSpacings);
+        _framePass->set("northSpacing", static_cast<float>(_tile.northSpacing));
+        _framePass->set(
+            "curvature",
+            static_cast<float>(_settings.bodyRadius > 0.0 ? 1.0 / _settings.bodyRadius : 0.0));
         _framePass->set("frame", frame());
         _framePass->writes(0, _heights);
     }
     else
-        _heights = createHeightTexture(_tile, frame());
+        _heights = createHeightTexture(_tile, frame(), _settings.bodyRadius);
     for (const auto& pass : {_skyPass, _shadePass})
     {
         pass->reads("heights", _heights);
