@@ -97,6 +97,8 @@ const std::vector<Variant> variants = {
     {"shade", {"SKY_TABLE", "KEY_LIGHTS"}},
     {"shade", {"SKY_TABLE", "KEY_LIGHTS", "SUN"}},
     {"sky_harmonics", {}},
+    {"sky_model", {}},
+    {"sky_model", {"CLEAR"}},
     {"sky_table", {}},
     {"sky_view", {}},
     {"sky_view", {"SKY_TABLE"}},
