@@ -96,6 +96,7 @@ const std::vector<Variant> variants = {
     {"shade", {"KEY_LIGHTS", "SUN"}},
     {"shade", {"SKY_TABLE", "KEY_LIGHTS"}},
     {"shade", {"SKY_TABLE", "KEY_LIGHTS", "SUN"}},
+    {"sky_environment", {}},
     {"sky_harmonics", {}},
     {"sky_model", {}},
     {"sky_model", {"CLEAR"}},

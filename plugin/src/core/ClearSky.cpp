@@ -15,7 +15,7 @@ constexpr double radiansPerDegree = pi / 180.0;
 using Colour = std::array<double, 3>;
 
 /// Of 10 nm, from 380 to 750 nm: the sun outside the air [W m-2 nm-1] (means of ASTM G173),
-/// absorption of ozone at 233 K [1e-26 m2] (means of Gorshelev et al. 2014), and the CIE 1931
+/// absorption of ozone at 233 K [1e-26 m2] (means of Serdyuchenko et al. 2014), and the CIE 1931
 /// observer at the band's lower edge.
 struct Band
 {
