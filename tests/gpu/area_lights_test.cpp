@@ -553,6 +553,14 @@ DemTile fractal()
     return *generateTerrain(TerrainKind::Fractal, 96, 96, 30.0, 1);
 }
 
+/// The steepest there is, in very clear air.
+SkyLight clearWithoutSun()
+{
+    SkyLight sky = clear(2.0, 10.0);
+    sky.sunEnabled = false;
+    return sky;
+}
+
 /// As if on a plane: the path tracer needs rows of one width.
 DemTile halfDome()
 {
@@ -586,8 +594,14 @@ TEST_P(AreaLightAccuracy, AgainstThePathTracer)
     reference::Illumination illumination;
     illumination.light = scene.sky;
     illumination.light.skyEnabled = true;
-    illumination.environment = [&](const reference::Vector3& d)
+    illumination.environment =
+        [&, model = clearSky(scene.sky)](const reference::Vector3& d) -> reference::LinearRgb
     {
+        if (scene.sky.skyModel == SkyModel::Clear)
+        {
+            const auto found = Glsl<double>().clearSkyRadiance(model, {d[0], d[1], d[2]});
+            return {found.x, found.y, found.z};
+        }
         return scene.sky.skyEnabled ? radianceOf(scene.sky.skyHarmonics, d)
                                     : radianceOf(scene.sky.keyLights, d);
     };
@@ -662,6 +676,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Scene{"FractalOneKeyLight", fractal, false, keyOnly({studio[0]}), 0.0015,
                           0.026},
                     Scene{"FractalHarmonics", fractal, false, skyOf(evening), 0.0007, 0.0095},
+                    Scene{"FractalClearSky", fractal, false, clearWithoutSun(), 0.0018, 0.012},
                     Scene{"HalfDomeKeyLights", halfDome, true, keyOnly(studio), 0.0004, 0.018},
                     Scene{"HalfDomeHarmonics", halfDome, true, skyOf(evening), 0.0004, 0.012}),
     [](const auto& each) { return each.param.name; });

@@ -63,12 +63,25 @@ double luminanceOf(const Colour& c)
     return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
 }
 
-/// Path through a layer of ozone at 22 km, over its thickness (Bird and Riordan 1986, of
-/// ozone).
+/// Path through a layer of ozone at 22 km, over its thickness (Bird and Riordan 1986,
+/// Robinson's formula).
 double ozoneMass(double sine)
 {
     constexpr double height = 22.0 / 6370.0;
     return (1.0 + height) / std::sqrt(sine * sine + 2.0 * height);
+}
+
+/// Illuminance of level ground by twilight, over that of a surface that faces the sun outside the
+/// air (Janiczek and DeYoung 1987, ATMOS); at most that of a sun at the horizontal.
+double twilight(double elevation)
+{
+    const double sine = std::sin(std::min(elevation, 0.0) * radiansPerDegree);
+    constexpr double radius = 753.66156; // of the earth, in heights of the air
+    const double side = radius / (radius + 1.0) * std::sqrt(1.0 - sine * sine);
+    const double bend = std::sqrt(1.0 - side * side);
+    const double mass = radius * (bend - sine) + bend;
+    return 0.0289 * std::exp(-0.042 * mass) *
+           (1.0 + (std::min(elevation, 0.0) + 90.0) * radiansPerDegree * sine);
 }
 } // namespace
 
@@ -91,17 +104,6 @@ double solarIlluminance()
     for (std::size_t i = 0; i + 1 < bands.size(); ++i)
         sum += luminanceOf(colourOf(i));
     return sum;
-}
-
-double twilight(double elevation)
-{
-    const double sine = std::sin(std::min(elevation, 0.0) * radiansPerDegree);
-    constexpr double radius = 753.66156; // of the earth, in heights of the air
-    const double side = radius / (radius + 1.0) * std::sqrt(1.0 - sine * sine);
-    const double bend = std::sqrt(1.0 - side * side);
-    const double mass = radius * (bend - sine) + bend;
-    return 0.0289 * std::exp(-0.042 * mass) *
-           (1.0 + (std::min(elevation, 0.0) + 90.0) * radiansPerDegree * sine);
 }
 
 Daylight daylightOf(double turbidity, double elevation)
@@ -140,8 +142,7 @@ Daylight daylightOf(double turbidity, double elevation)
             sky[c] += diffuse * colour[c];
         }
     }
-    // A flat earth has no twilight. It gets the colour of what the flat sky tends to, and a
-    // sun above the horizontal leaves it as it was: the sky grows on.
+    // A flat earth has no twilight, which is added, in the flat sky's colour.
     const double dusk = twilight(elevation) * luminanceOf(outside) / luminanceOf(sky);
     Daylight found = {};
     for (std::size_t c = 0; c < 3; ++c)

@@ -37,10 +37,6 @@ struct Daylight
 /// units of ozone; twilight by Janiczek and DeYoung 1987.
 OSGTERRAINLIGHT_EXPORT Daylight daylightOf(double turbidity, double elevation);
 
-/// Irradiance of level ground by twilight, over that of a surface that faces the sun outside the
-/// air, in luminance (Janiczek and DeYoung 1987, ATMOS); at most that of a sun at the horizontal.
-OSGTERRAINLIGHT_EXPORT double twilight(double elevation);
-
 /// The sky of SkyModel::Clear: its picture by Preetham, Shirley and Smits 1999, as bright as
 /// daylightOf() says.
 OSGTERRAINLIGHT_EXPORT Glsl<double>::ClearSky clearSky(const SkyLight& light);
