@@ -4,4 +4,5 @@
 #include "subsampling.glsl"
 #include "horizon.glsl"
 #include "sky.glsl"
+#include "clear_sky.glsl"
 #include "legendre.glsl"

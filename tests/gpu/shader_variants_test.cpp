@@ -101,6 +101,8 @@ const std::vector<Variant> variants = {
     {"shade", {"SKY_TABLE", "KEY_LIGHTS", "SUN"}},
     {"sky_environment", {}},
     {"sky_harmonics", {}},
+    {"sky_model", {}},
+    {"sky_model", {"CLEAR"}},
     {"sky_table", {}},
     {"sky_view", {}},
     {"sky_view", {"SKY_TABLE"}},

@@ -50,8 +50,10 @@ struct OSGTERRAINLIGHT_EXPORT SkyLight
     /// Radiance of the uniform sky, or of the overcast one at the zenith [W m⁻² sr⁻¹ or relative],
     /// each ≥ 0.
     Rgb skyRadiance = {0.21f, 0.26f, 0.35f};
-    /// Of SkyModel::Clear: 1.7 … 10, from the clearest air to haze. That sky is as bright as its
-    /// sun: sunIrradiance is then the sun's outside the air, and what reaches the ground is less.
+    /// Of SkyModel::Clear: 2 … 10, from very clear air to haze. That sky is as bright as its sun,
+    /// which makes it whether sunEnabled or not: sunIrradiance is then the sun's outside the air,
+    /// and what reaches the ground is less and redder, without skyEnabled, too. A sun at night
+    /// makes twilight.
     double turbidity = 3.0;
 
     /// Where not null: the sky's radiance, instead of model and harmonics. setEnvironment() sets

@@ -1,10 +1,12 @@
 #include "core/SkyRadiance.h"
 
+#include "core/ClearSky.h"
 #include "core/Quadrature.h"
-#include "glsl_host.h"
 #include <osgTerrainLight/Environment.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace osgTerrainLight
 {
@@ -35,9 +37,32 @@ std::vector<Rgb> turned(const std::vector<Rgb>& harmonics, double clockwise, dou
     return result;
 }
 
+using Direction = std::array<double, 3>;
+
+/// The model's radiance by direction; what is the same for all directions is done once.
+std::function<std::array<double, 3>(const Direction&)> radianceOf(const SkyLight& sky)
+{
+    if (sky.skyModel == SkyModel::Clear)
+        return [model = clearSky(sky)](const Direction& d) -> std::array<double, 3>
+        {
+            const auto radiance = Glsl<double>().clearSkyRadiance(model, {d[0], d[1], d[2]});
+            return {radiance.x, radiance.y, radiance.z};
+        };
+    return [&sky](const Direction& d)
+    {
+        const double factor =
+            sky.skyModel == SkyModel::Overcast ? Glsl<double>().overcastGradation(d[2]) : 1.0;
+        std::array<double, 3> radiance = {};
+        for (std::size_t c = 0; c < 3; ++c)
+            radiance[c] = factor * static_cast<double>(sky.skyRadiance[c]);
+        return radiance;
+    };
+}
+
 /// Of the upper hemisphere, below which a model has no light.
 std::vector<Rgb> projectedModel(const SkyLight& sky)
 {
+    const auto model = radianceOf(sky);
     constexpr int turns = 64;
     std::array<std::array<double, 3>, 16> sum = {};
     const GaussRule& rule = gaussRule();
@@ -52,9 +77,8 @@ std::vector<Rgb> projectedModel(const SkyLight& sky)
                 const double z = bottom + height * rule.places[node];
                 const double side = std::sqrt(1.0 - z * z);
                 const double azimuth = 2.0 * pi * (turn + 0.5) / turns;
-                const std::array<double, 3> towards = {side * std::cos(azimuth),
-                                                       side * std::sin(azimuth), z};
-                const auto radiance = modelRadiance(sky, towards);
+                const Direction towards = {side * std::cos(azimuth), side * std::sin(azimuth), z};
+                const auto radiance = model(towards);
                 const auto sh = Glsl<double>().shBasis({towards[0], towards[1], towards[2]});
                 const double weight = height * rule.weights[node] * 2.0 * pi / turns;
                 for (std::size_t i = 0; i < 16; ++i)
@@ -93,13 +117,7 @@ bool sameSky(const SkyLight& a, const SkyLight& b)
 
 std::array<double, 3> modelRadiance(const SkyLight& sky, const std::array<double, 3>& direction)
 {
-    // CIE overcast sky (Moon and Spencer 1942; CIE S 011): a third at the horizontal.
-    const double factor =
-        sky.skyModel == SkyModel::Overcast ? (1.0 + 2.0 * direction[2]) / 3.0 : 1.0;
-    std::array<double, 3> radiance = {};
-    for (std::size_t c = 0; c < 3; ++c)
-        radiance[c] = factor * static_cast<double>(sky.skyRadiance[c]);
-    return radiance;
+    return radianceOf(sky)(direction);
 }
 
 std::vector<Rgb> harmonicsOf(const SkyLight& sky)
@@ -114,7 +132,17 @@ std::vector<Rgb> harmonicsOf(const SkyLight& sky)
 
 Rgb sunAtGround(const SkyLight& sky)
 {
-    return sky.sunIrradiance;
+    if (sky.environment || !sky.skyHarmonics.empty() || sky.skyModel != SkyModel::Clear)
+        return sky.sunIrradiance;
+    // What a horizon leaves of the disc is others' business. It is gone where the disc is.
+    const double risen = std::clamp(1.0 + sky.sunElevation / sky.sunAngularRadius, 0.0, 1.0);
+    const double rising = risen * risen * (3.0 - 2.0 * risen);
+    const Daylight light = daylightOf(sky.turbidity, sky.sunElevation);
+    Rgb found = {};
+    for (std::size_t c = 0; c < 3; ++c)
+        found[c] =
+            static_cast<float>(rising * light.sun[c] * static_cast<double>(sky.sunIrradiance[c]));
+    return found;
 }
 
 } // namespace osgTerrainLight

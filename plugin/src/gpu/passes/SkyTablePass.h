@@ -25,6 +25,10 @@ public:
     /// The table of a sky of whichever kind; of a uniform one, too.
     Status dispatch(osg::State& state, const SkyLight& sky);
 
+    /// RGBA32F, radiance of the sky, as it was summed: columns counter-clockwise from east, rows
+    /// upwards from the horizontal to the zenith, both of equal angles.
+    osg::Texture2D* sky() const { return _sky; }
+
     /// RGBA32F, azimuths × 3 (rows + 1): lights.glsl says what of.
     osg::Texture2D* table() const { return _table; }
 
@@ -36,11 +40,12 @@ public:
 
 private:
     ~SkyTablePass() override = default;
+    void setModel(const SkyLight& sky);
 
     int _azimuths;
     osg::ref_ptr<osg::Texture2D> _sky; ///< radiance by azimuth and elevation
     osg::ref_ptr<osg::Texture2D> _table;
-    osg::ref_ptr<GpuPass> _harmonics, _environment, _sum;
+    osg::ref_ptr<GpuPass> _harmonics, _environment, _model, _sum;
     osg::ref_ptr<osg::Texture2D> _panorama; ///< null without an environment
 };
 
