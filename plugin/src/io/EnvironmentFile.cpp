@@ -264,41 +264,55 @@ double dot(const Vector& a, const Vector& b)
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/// The part of a convex polygon where side · (coordinate − edge) ≥ 0.
-std::vector<Point> clipped(const std::vector<Point>& polygon, double Point::*axis, double edge,
-                           double side)
+/// Convex; a quadrangle gains one corner at most by each of four cuts. Rounding may find more in a
+/// sliver without area, which may lose them.
+struct Polygon
 {
-    std::vector<Point> result;
-    for (std::size_t i = 0; i < polygon.size(); ++i)
+    std::array<Point, 10> corners = {};
+    std::size_t count = 0;
+
+    void add(const Point& corner)
     {
-        const Point& a = polygon[i];
-        const Point& b = polygon[(i + 1) % polygon.size()];
+        if (count < corners.size())
+            corners[count++] = corner;
+    }
+    const Point& after(std::size_t i) const { return corners[i + 1 < count ? i + 1 : 0]; }
+};
+
+/// The part where side · (coordinate − edge) ≥ 0.
+Polygon clipped(const Polygon& polygon, double Point::*axis, double edge, double side)
+{
+    Polygon result;
+    for (std::size_t i = 0; i < polygon.count; ++i)
+    {
+        const Point& a = polygon.corners[i];
+        const Point& b = polygon.after(i);
         const double before = side * (a.*axis - edge);
         const double after = side * (b.*axis - edge);
         if (before >= 0.0)
-            result.push_back(a);
+            result.add(a);
         if ((before < 0.0) == (after < 0.0))
             continue;
         const double t = before / (before - after);
-        result.push_back({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
+        result.add({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
     }
     return result;
 }
 
 /// Of a convex polygon on a face, in texels: triangles about its first corner (Van Oosterom and
 /// Strackee 1983, Eq. 8).
-double solidAngle(const std::vector<Point>& polygon, int side)
+double solidAngle(const Polygon& polygon, int side)
 {
     const auto place = [&](const Point& p) {
         return Vector{2.0 * p.x / side - 1.0, 2.0 * p.y / side - 1.0, 1.0};
     };
-    const Vector a = place(polygon.front());
+    const Vector a = place(polygon.corners[0]);
+    const double lengthA = std::sqrt(dot(a, a));
     double sum = 0.0;
-    for (std::size_t i = 2; i < polygon.size(); ++i)
+    for (std::size_t i = 2; i < polygon.count; ++i)
     {
-        const Vector b = place(polygon[i - 1]);
-        const Vector c = place(polygon[i]);
-        const double lengthA = std::sqrt(dot(a, a));
+        const Vector b = place(polygon.corners[i - 1]);
+        const Vector c = place(polygon.corners[i]);
         const double lengthB = std::sqrt(dot(b, b));
         const double lengthC = std::sqrt(dot(c, c));
         // All three at depth 1: the triple product is twice the plane's area.
@@ -321,7 +335,8 @@ EnvironmentPicture fromCube(const Picture& cube)
     result.columns = 2 * result.rows;
     result.radiance.resize(static_cast<std::size_t>(result.columns) *
                            static_cast<std::size_t>(result.rows));
-    std::vector<Point> quad(4);
+    Polygon quad;
+    quad.count = 4;
     for (int row = 0; row < result.rows; ++row)
         for (int column = 0; column < result.columns; ++column)
         {
@@ -347,10 +362,11 @@ EnvironmentPicture fromCube(const Picture& cube)
                 {
                     const double depth = dot(corners[i], face.forward);
                     isBefore = depth > 0.2;
-                    quad[i] = {0.5 * side * (1.0 + dot(corners[i], face.right) / depth),
-                               0.5 * side * (1.0 + dot(corners[i], face.down) / depth)};
-                    low = {std::min(low.x, quad[i].x), std::min(low.y, quad[i].y)};
-                    high = {std::max(high.x, quad[i].x), std::max(high.y, quad[i].y)};
+                    Point& corner = quad.corners[i];
+                    corner = {0.5 * side * (1.0 + dot(corners[i], face.right) / depth),
+                              0.5 * side * (1.0 + dot(corners[i], face.down) / depth)};
+                    low = {std::min(low.x, corner.x), std::min(low.y, corner.y)};
+                    high = {std::max(high.x, corner.x), std::max(high.y, corner.y)};
                 }
                 if (!isBefore)
                     continue;
@@ -360,13 +376,13 @@ EnvironmentPicture fromCube(const Picture& cube)
                 { return std::min(static_cast<int>(std::ceil(place)), side); };
                 for (int y = from(low.y); y < to(high.y); ++y)
                 {
-                    const auto strip =
+                    const Polygon strip =
                         clipped(clipped(quad, &Point::y, y, 1.0), &Point::y, y + 1.0, -1.0);
-                    for (int x = from(low.x); strip.size() > 2 && x < to(high.x); ++x)
+                    for (int x = from(low.x); strip.count > 2 && x < to(high.x); ++x)
                     {
-                        const auto piece =
+                        const Polygon piece =
                             clipped(clipped(strip, &Point::x, x, 1.0), &Point::x, x + 1.0, -1.0);
-                        if (piece.size() < 3)
+                        if (piece.count < 3)
                             continue;
                         const double weight = solidAngle(piece, side);
                         const Rgb& pixel = cube.at(x, static_cast<int>(f) * side + y);
