@@ -128,9 +128,9 @@ sanitize()
     ! compgen -G "tests/$folder/*_test.cpp" >/dev/null || programs+=("$folder")
   done
   [[ ${#programs[@]} -gt 0 ]] || return 0
-  build sanitize build-sanitize "${programs[@]/%/_tests}" -- -DOSGTERRAINLIGHT_SANITIZE=ON \
+  build sanitize build-sanitize "${programs[@]/%/_tests}" environment_fuzz -- -DOSGTERRAINLIGHT_SANITIZE=ON \
     -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g -D_GLIBCXX_ASSERTIONS" || return 0
-  labels=$(IFS='|'; echo "${programs[*]}")
+  labels=$(IFS='|'; echo "${programs[*]}|fuzz")
   ASAN_OPTIONS=print_legend=0 UBSAN_OPTIONS=print_stacktrace=1 \
     run_ctest sanitize-ctest build-sanitize --no-tests=ignore "$@" -L "^($labels)\$"
 }

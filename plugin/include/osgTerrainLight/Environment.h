@@ -19,7 +19,7 @@ struct OSGTERRAINLIGHT_EXPORT Environment
     int columns = 0;
     int rows = 0;
     /// Radiance, linear, of the primaries of Rec. 709 [W m⁻² sr⁻¹ or relative], columns · rows,
-    /// finite and ≥ 0, without the sun below. Column 0 begins in the east, columns run
+    /// 0 … 1e30, without the sun below. Column 0 begins in the east, columns run
     /// counter-clockwise seen from above (east, north, west, south); row 0 touches the nadir, the
     /// last row the zenith: the layout of reference::Illumination::importance.
     std::vector<Rgb> radiance;

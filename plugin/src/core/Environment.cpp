@@ -1,5 +1,6 @@
 #include <osgTerrainLight/Environment.h>
 
+#include "core/EnvironmentSun.h"
 #include "core/Quadrature.h"
 #include "glsl_host.h"
 
@@ -15,6 +16,8 @@ namespace
 {
 constexpr int maxColumns = 16384;
 constexpr int maxRows = 8192;
+/// Sums over the sphere stay finite in float.
+constexpr float maxRadiance = 1e30f;
 
 std::string complaintOf(int columns, int rows, const std::vector<Rgb>& radiance)
 {
@@ -26,8 +29,8 @@ std::string complaintOf(int columns, int rows, const std::vector<Rgb>& radiance)
         return size + ", " + std::to_string(radiance.size()) + " values: needs one per texel";
     for (const Rgb& texel : radiance)
         if (!std::all_of(texel.begin(), texel.end(),
-                         [](float value) { return value >= 0.0f && std::isfinite(value); }))
-            return "a radiance is negative or not finite: needs 0 or more";
+                         [](float value) { return value >= 0.0f && value <= maxRadiance; }))
+            return "a radiance is negative, beyond 1e30 or no number: needs 0 to 1e30";
     return {};
 }
 
@@ -92,6 +95,7 @@ createEnvironment(int columns, int rows, std::vector<Rgb> radiance, std::string&
     made->columns = columns;
     made->rows = rows;
     made->radiance = std::move(radiance);
+    takeSun(*made);
     made->harmonics = project(*made);
     return made;
 }

@@ -1,11 +1,15 @@
 #include "io/ExrFile.h"
 
+#include "io/ExrGuard.h"
+
 #include <Iex.h>
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
-#include <ImfInputFile.h>
+#include <ImfInputPart.h>
+#include <ImfMultiPartInputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfPartType.h>
 #include <ImfStringAttribute.h>
 #include <half.h>
 
@@ -64,8 +68,12 @@ Status writePixels(const std::string& path, const ExrImage& image, ExrPixelType 
 
 Result<ExrImage> readPixels(const std::string& path, std::size_t maxValues)
 {
-    Imf::InputFile file(path.c_str());
-    const Imf::Header& header = file.header();
+    // Headers before pixels: a part that is opened has its buffers already.
+    Imf::MultiPartInputFile file(path.c_str());
+    const Imf::Header& header = file.header(0);
+    if (header.hasType() && Imf::isDeepData(header.type()))
+        return Error{ErrorCode::NotSupported,
+                     path + ": has deep pixels; needed one value per pixel"};
     const Imath::Box2i window = header.dataWindow();
     // In 64 bits: a damaged header's corners may be anything.
     const std::int64_t width = std::int64_t(window.max.x) - window.min.x + 1;
@@ -103,8 +111,9 @@ Result<ExrImage> readPixels(const std::string& path, std::size_t maxValues)
         buffer.insert(i.name(), Imf::Slice::Make(Imf::FLOAT, image.channels.back().values.data(),
                                                  header.dataWindow()));
     }
-    file.setFrameBuffer(buffer);
-    file.readPixels(window.min.y, window.max.y);
+    Imf::InputPart part(file, 0);
+    part.setFrameBuffer(buffer);
+    part.readPixels(window.min.y, window.max.y);
     return image;
 }
 
@@ -177,23 +186,7 @@ Status writeExr(const std::string& path, const ExrImage& image, ExrPixelType typ
 
 Result<ExrImage> readExr(const std::string& path, std::size_t maxValues)
 {
-    std::error_code failure;
-    if (!fs::exists(path, failure))
-        return Error{ErrorCode::NotFound, path + ": no such file"};
-    if (fs::is_directory(path, failure))
-        return Error{ErrorCode::Invalid, path + ": is a folder; needed an OpenEXR file"};
-    try
-    {
-        return readPixels(path, maxValues);
-    }
-    catch (const Iex::BaseExc& error)
-    {
-        return Error{ErrorCode::Invalid, path + ": cannot be read as OpenEXR: " + error.what()};
-    }
-    catch (const std::bad_alloc&)
-    {
-        return Error{ErrorCode::Failed, path + ": not enough memory for its pixels"};
-    }
+    return readGuarded(path, [&] { return readPixels(path, maxValues); });
 }
 
 } // namespace osgTerrainLight
