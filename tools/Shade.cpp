@@ -17,6 +17,8 @@ namespace
 struct Options : RasterOptions
 {
     SkyLight sky;
+    SunTime sun;
+    Metadata sunMetadata; ///< of its time and place
 };
 
 bool isPicture(const OutputOptions& output)
@@ -125,6 +127,7 @@ Metadata metadataOf(const Options& options, const LitTile& lit)
     add(metadata, "SUN", options.sky.sunEnabled ? "yes" : "no");
     if (options.sky.sunEnabled)
     {
+        metadata.insert(metadata.end(), options.sunMetadata.begin(), options.sunMetadata.end());
         addSun(metadata, options.sky);
         add(metadata, "SUN_IRRADIANCE", text(options.sky.sunIrradiance));
     }
@@ -133,7 +136,7 @@ Metadata metadataOf(const Options& options, const LitTile& lit)
     return metadata;
 }
 
-Status run(const Options& options)
+Status run(Options& options)
 {
     if ((options.maxError || options.maxMilliseconds) &&
         options.settings.bounceMethod != BounceMethod::Slices)
@@ -147,6 +150,10 @@ Status run(const Options& options)
         throw CLI::ValidationError(options.maxError ? "--max-error" : "--max-ms",
                                    "chooses settings for a uniform sky and a sun: needs neither "
                                    "--key-light nor --sky-harmonics");
+    if (!options.sky.sunEnabled && options.sun.time)
+        throw CLI::ValidationError("--time", "needs a sun: leave out --no-sun");
+    if (Status placed = setSun(options.sky, options, options.sun, options.sunMetadata); !placed)
+        return placed;
     const auto write = [&](LitTile& lit, Progress& progress)
     {
         const Raster<osg::Vec4f> shading = lit.lighting->readShading(lit.gpu.state());
@@ -175,6 +182,7 @@ Mode addShade(CLI::App& tool)
     app->footer("Examples:\n"
                 "  terrainlight shade dem.tif shade.tif --sun 315,35\n"
                 "  terrainlight shade dem.tif shade.png --sun 315,35 --exposure 0.5\n"
+                "  terrainlight shade dem.tif noon.png --time 2024-06-21T12:00Z\n"
                 "  terrainlight shade dem.tif glow.png --bounces 2 --albedo photo.tif\n"
                 "  terrainlight shade dem.tif key.png --no-sun --key-light 300,30,20,50,6,4,2\n"
                 "  terrainlight shade dem.tif sky.exr --no-sun --sky-radiance 1,1,1\n"
@@ -185,6 +193,7 @@ Mode addShade(CLI::App& tool)
     addBounces(*app, *options);
     addBudget(*app, *options);
     addSun(*app, options->sky);
+    addSunTime(*app, options->sun);
     addSunRadius(*app, options->sky);
     app->add_flag_function(
         "--no-sun", [options](std::int64_t) { options->sky.sunEnabled = false; }, "Sky light only");
