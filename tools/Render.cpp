@@ -35,6 +35,7 @@ struct Options
     OutputOptions output;
     int width = 1024, height = 768;
     SkyLight sky;
+    SunTime sun;
     LightingSettings settings;
     std::string light = "both";
     double cellSize = 1.0;
@@ -79,6 +80,10 @@ std::string readerOptions(const CLI::App& app, const Options& options)
     };
     add("--sun", "sun_azimuth", text(options.sky.sunAzimuth));
     add("--sun", "sun_elevation", text(options.sky.sunElevation));
+    if (options.sun.time)
+        add("--time", "time", toString(*options.sun.time));
+    if (options.sun.place)
+        add("--place", "place", toString(*options.sun.place));
     add("--azimuths", "azimuths", std::to_string(options.settings.azimuths));
     add("--quality", "quality", toString(options.settings.quality));
     add("--bounces", "bounces", std::to_string(options.settings.bounces));
@@ -197,6 +202,20 @@ std::vector<std::uint8_t> draw(osgViewer::Viewer& viewer, const Options& options
     return pixels;
 }
 
+/// Switches the viewer's keys off, and with them the clock in the picture.
+class KeysOff : public osg::NodeVisitor
+{
+public:
+    KeysOff() : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN) {}
+
+    void apply(osg::Group& group) override
+    {
+        if (auto* lighting = dynamic_cast<TerrainLighting*>(&group))
+            lighting->setKeysEnabled(false);
+        traverse(group);
+    }
+};
+
 /// The first reason why something in the scene was drawn unlit.
 class FailureFinder : public osg::NodeVisitor
 {
@@ -235,6 +254,8 @@ Status run(const CLI::App& app, const Options& options)
     (*scene)->accept(bounds);
     if (!bounds.getBoundingBox().valid())
         return Error{ErrorCode::Invalid, options.scene + ": nothing in it has an extent"};
+    KeysOff keysOff;
+    (*scene)->accept(keysOff);
     Progress progress(options.output.quiet);
     progress.reach(0.2);
 
@@ -279,6 +300,7 @@ Mode addRender(CLI::App& tool)
                   "lit. Without camera options: from the south, 35 degrees down");
     app->footer("Examples:\n"
                 "  terrainlight render dem.tif picture.png --sun 300,25\n"
+                "  terrainlight render dem.tif dusk.png --time 2024-06-21T19:00+02:00\n"
                 "  terrainlight render dem.tif map.png --top --size 800,800\n"
                 "  terrainlight render dem.tif wet.png --sun 0,30 --gloss 0.3 --bounces 1\n"
                 "  terrainlight render map.earth near.png --camera 225,20,0.5 --exposure 0.5\n"
@@ -317,6 +339,7 @@ Mode addRender(CLI::App& tool)
     app->add_flag("--top", options->top, "Straight down, north up, without perspective")
         ->excludes(eye);
     addSun(*app, options->sky);
+    addSunTime(*app, options->sun);
     addAreaLights(*app, options->sky);
     app->add_option("--light", options->light, "What lights the terrain; default both")
         ->check(CLI::IsMember({"off", "sky", "sun", "both"}))

@@ -239,7 +239,7 @@ TEST_F(SunByTimeRefused, WithWhatIsNeeded)
          "--to: 2024-01-01T00:00:00Z is not after --from 2024-01-02T00:00:00Z"},
         {hours + day + " --step 0", 2, "step = 0: needs 0.1 ... 1440"},
         {hours + "--from 1900-01-01T00:00 --to 2024-01-01T00:00 --step 0.1", 2,
-         "--step: 652170240 steps: needs at most 1000000"}};
+         "--step: 652176000 steps: needs at most 1000000"}};
     for (const auto& c : cases)
     {
         const ToolRun result = run(c.arguments);

@@ -94,8 +94,10 @@ public:
                            : name == "bounce_method"  ? "slices, legendre or legendre-bspline"
                            : name == "gloss_transfer" ? "vector or scalar"
                            : name == "sky_harmonics"  ? "of the sky, 1, 4, 9 or 16 coefficients"
-                           : name == "key_lights"     ? "AZIMUTH,WIDTH,LOWEST,HIGHEST,R,G,B;..."
-                                                      : "draft, normal or best");
+                           : name == "time"  ? "of the sun: YYYY-MM-DDThh:mm[:ss], UTC or +hh:mm"
+                           : name == "place" ? "LONGITUDE,LATITUDE of the sun's time"
+                           : name == "key_lights" ? "AZIMUTH,WIDTH,LOWEST,HIGHEST,R,G,B;..."
+                                                  : "draft, normal or best");
         }
         supportsOption("cell_size=METRES", "between posts of a raster without geotransform");
     }
@@ -182,6 +184,8 @@ private:
         if (scene.validNode())
         {
             osg::ref_ptr<TerrainLighting> node = createLighting(options->light);
+            if (const Status set = setTimeAndPlace(*node, options->light, std::nullopt); !set)
+                return failed(path + ": " + set.error().message);
             node->addChild(scene.getNode());
             node->setKeysEnabled(true);
             return ReadResult(node.get());

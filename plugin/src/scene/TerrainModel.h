@@ -34,6 +34,11 @@ createTerrain(const DemTile& tile, const std::vector<ColourImage>& colours = {})
 /// A node with the light that people asked for, without terrain.
 OSGTERRAINLIGHT_EXPORT osg::ref_ptr<TerrainLighting> createLighting(const LightParameters& light);
 
+/// Time and place of the light, the place of the tile below where none was given. An error where
+/// there is a time and no place.
+OSGTERRAINLIGHT_EXPORT Status setTimeAndPlace(TerrainLighting& node, const LightParameters& light,
+                                              const std::optional<DemTile>& tile);
+
 /// A lit DEM. cellSize [m]: of a raster without geotransform.
 OSGTERRAINLIGHT_EXPORT Result<TerrainModel>
 loadRaster(const std::string& path, std::optional<double> cellSize, const LightParameters& light);
