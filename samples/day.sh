@@ -32,7 +32,7 @@ for ((i = 0; i < count; ++i)); do
   time=$(date -u -d "$date 05:37 UTC + $minutes minutes" +%Y-%m-%dT%H:%MZ)
   picture=$out/$(printf '%02dh%02d' $((minutes / 60)) $((minutes % 60))).png
   echo "$picture: $time"
-  "$light" render "$map" "$picture" --time "$time" --size 640,400 --camera 160,28,0.9 \
+  "$light" render "$map" "$picture" --time "$time" --size 640,400 --camera 160,30,1 \
     "${sky[@]}" -q
 done
 

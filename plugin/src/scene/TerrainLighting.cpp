@@ -12,6 +12,7 @@
 #include "scene/TileSet.h"
 
 #include <osg/Camera>
+#include <osg/DisplaySettings>
 #include <osg/Drawable>
 #include <osg/Notify>
 #include <osgGA/EventVisitor>
@@ -853,6 +854,9 @@ void TerrainLighting::setKeysEnabled(bool enabled)
     const osg::ref_ptr<KeyHandler> keys = enabled ? new KeyHandler(*this) : nullptr;
     _keys = keys;
     _clock = keys ? keys->clock() : nullptr;
+    if (_clock) // contexts that exist already draw it from threads of their own
+        _clock->resizeGLObjectBuffers(
+            osg::DisplaySettings::instance()->getMaxNumberOfGraphicsContexts());
     const unsigned others = getNumChildrenRequiringEventTraversal();
     setNumChildrenRequiringEventTraversal(enabled ? others + 1 : others - 1);
 }
