@@ -24,7 +24,10 @@ ClockDisplay::ClockDisplay() : _text(new osgText::Text)
     _text->setCharacterSize(pixels);
     _text->setAlignment(osgText::TextBase::LEFT_BOTTOM);
     _text->setPosition(osg::Vec3(0.02f, 0.02f, 0.0f));
-    _text->setBackdropType(osgText::Text::OUTLINE);
+    // Legible over snow and night, in OSG's own font too, whose points an outline would fill.
+    _text->setDrawMode(osgText::TextBase::TEXT | osgText::TextBase::FILLEDBOUNDINGBOX);
+    _text->setBoundingBoxColor(osg::Vec4(0.0f, 0.0f, 0.0f, 0.6f));
+    _text->setBoundingBoxMargin(0.3f * pixels);
     addChild(_text);
     setNodeMask(0);
 }
