@@ -9,7 +9,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-PLAIN_VALUES = {"DemTile.h", "Environment.h", "Export.h", "HorizonMap.h", "LightingSettings.h", "SkyLight.h"}
+PLAIN_VALUES = {"DemTile.h", "Environment.h", "Export.h", "HorizonMap.h", "LightingSettings.h", "SkyLight.h",
+                "SunPosition.h"}
 MAY_USE_OSG = {"DynamicTerrain.h", "TerrainLighting.h", "PlacedObject.h", "ShadingTexture.h"}
 
 # Package -> what its files may include: packages of ours (`values` are the public headers of plain
@@ -18,7 +19,7 @@ ALLOWED = {
     "values": {"values", "std"},
     "public": {"values", "public", "std"},
     "public with OSG": {"values", "public", "std", "osg"},
-    "core": {"core", "values", "glsl_host", "std", "glm"},
+    "core": {"core", "values", "glsl_host", "std", "glm", "erfa"},  # erfa: the sun's place, plain maths
     "io": {"io", "core", "values", "std", "glm", "gdal", "openexr", "pugixml"},
     "gpu": {"gpu", "core", "values", "glsl_host", "std", "glm", "osg", "gl"},
     "scene": {"scene", "gpu", "io", "core", "values", "public", "glsl_host",
@@ -47,6 +48,7 @@ FAMILIES = [
     ("pugixml", r"pugixml\.hpp"),
     ("cli11", r"CLI/.+"),
     ("embree", r"embree3/.+"),
+    ("erfa", r"erfam?\.h"),
 ]
 
 CODE = re.compile(r'"(?:\\.|[^"\\\n])*"|//[^\n]*|/\*.*?\*/', re.S)

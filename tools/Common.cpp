@@ -4,6 +4,7 @@
 
 #include "gpu/passes/HorizonPass.h"
 #include "io/LightParameters.h"
+#include "io/MapPlace.h"
 #include <osgTerrainLight/Environment.h>
 
 #include <cpl_conv.h>
@@ -174,6 +175,12 @@ void summarise(const std::string& mode, const LitTile& lit)
 }
 
 } // namespace
+
+void sayNotes(const std::string& path, const LitTile& lit, std::size_t said)
+{
+    for (std::size_t i = said; i < lit.dem.notes.size(); ++i)
+        warn(path + ": " + lit.dem.notes[i]);
+}
 
 bool isExr(const OutputOptions& output)
 {
@@ -399,6 +406,45 @@ void addSun(CLI::App& app, SkyLight& sky)
                    sky.sunAzimuth = v[0];
                    sky.sunElevation = v[1];
                });
+}
+
+CLI::Option* addTime(CLI::App& app, const std::string& option, const std::string& help,
+                     std::function<void(UtcTime)> set)
+{
+    const auto read = [=](const std::string& given)
+    {
+        UtcTime time;
+        if (const std::string wrong = readUtcTime(given, time); !wrong.empty())
+            throw CLI::ValidationError(option, wrong);
+        set(time);
+    };
+    return app.add_option_function<std::string>(option, read, help)->type_name("TIME");
+}
+
+CLI::Option* addPlace(CLI::App& app, SunTime& sun)
+{
+    const auto read = [&sun](const std::string& given)
+    {
+        EarthPlace place;
+        if (const std::string wrong = readEarthPlace(given, place); !wrong.empty())
+            throw CLI::ValidationError("--place", wrong);
+        sun.place = place;
+    };
+    return app
+        .add_option_function<std::string>(
+            "--place", read,
+            "Where on Earth, degrees east and north; default by INPUT's CRS, for its middle")
+        ->type_name("LON,LAT");
+}
+
+void addSunTime(CLI::App& app, SunTime& sun)
+{
+    CLI::Option* time = addTime(
+        app, "--time",
+        "The sun by time instead of --sun: YYYY-MM-DDThh:mm[:ss], UTC or with a zone +hh:mm",
+        [&sun](UtcTime given) { sun.time = given; });
+    time->excludes("--sun");
+    addPlace(app, sun)->needs(time);
 }
 
 void addSunRadius(CLI::App& app, SkyLight& sky)
@@ -673,6 +719,12 @@ void addSun(Metadata& metadata, const SkyLight& sky)
     add(metadata, "SUN_RADIUS", text(sky.sunAngularRadius));
 }
 
+void addPlace(Metadata& metadata, const EarthPlace& place)
+{
+    add(metadata, "PLACE", text(place.longitude) + "," + text(place.latitude));
+    add(metadata, "CONVERGENCE", text(place.convergence));
+}
+
 void addAreaLights(Metadata& metadata, const SkyLight& sky)
 {
     if (sky.skyEnabled && sky.environment)
@@ -703,6 +755,35 @@ Metadata describe(const std::string& mode, const LitTile& lit, bool azimuths)
     return metadata;
 }
 
+Result<EarthPlace> placeOf(const RasterOptions& options, const SunTime& sun)
+{
+    const Result<DemInfo> info = describeDem(options.input, options.read);
+    if (!info)
+        return info.error();
+    const Result<EarthPlace> place = placeInstead(sun.place, osgTerrainLight::placeOf(info->frame));
+    if (place)
+        return place;
+    const bool placeless = place.error().code == ErrorCode::NotFound;
+    return Error{place.error().code, options.input + ": " + place.error().message +
+                                         (placeless ? ": needs --place LON,LAT" : "")};
+}
+
+Status setSun(SkyLight& sky, const RasterOptions& options, const SunTime& sun, Metadata& metadata)
+{
+    if (!sun.time)
+        return Nothing{};
+    const Result<EarthPlace> place = placeOf(options, sun);
+    if (!place)
+        return place.error();
+    sky.setSunAt(*sun.time, *place);
+    add(metadata, "TIME", toString(*sun.time));
+    addPlace(metadata, *place);
+    if (!TileLighting::needsSun(sky))
+        warn("the sun is " + text(std::round(-100.0 * sky.sunElevation) / 100.0) +
+             " degrees below the horizontal at " + toString(*sun.time));
+    return Nothing{};
+}
+
 RasterWriteOptions writeOptions(const OutputOptions& output, const Metadata& metadata)
 {
     RasterWriteOptions options;
@@ -712,9 +793,8 @@ RasterWriteOptions writeOptions(const OutputOptions& output, const Metadata& met
     return options;
 }
 
-Status process(const std::string& mode, const RasterOptions& options, const SkyLight& sky,
-               SettingsTrial::Product product, SkyViewDefinition definition, int bands,
-               const std::function<Status(LitTile&, Progress&)>& write)
+Status readTile(const RasterOptions& options, int bands, LitTile& lit, std::size_t& headNotes,
+                Progress& progress)
 {
     const std::string& path = options.input;
     refuseSameFile(path, options.output.path);
@@ -725,16 +805,15 @@ Status process(const std::string& mode, const RasterOptions& options, const SkyL
         return writable;
     for (const std::string& note : info->notes)
         warn(path + ": " + note);
+    headNotes = info->notes.size();
 
     Result<Gpu> gpu = openGpu();
     if (!gpu)
         return gpu.error();
-    LitTile lit;
     lit.gpu = std::move(*gpu);
     if (Status fits = checkFits(lit.gpu, info->window.width, info->window.height); !fits)
         return Error{fits.error().code, path + ": " + fits.error().message};
 
-    Progress progress(options.output.quiet);
     progress.reach(0.0);
     DemReadOptions read = options.read;
     read.progress = [&progress](double fraction)
@@ -747,13 +826,25 @@ Status process(const std::string& mode, const RasterOptions& options, const SkyL
         return dem.error();
     lit.dem = std::move(*dem);
     lit.settings = options.settings;
-    if (!options.albedoFile.empty())
-    {
-        Result<Raster<Rgb>> albedo = readAlbedo(options.albedoFile, *info);
-        if (!albedo)
-            return albedo.error();
-        lit.albedo = std::move(*albedo);
-    }
+    if (options.albedoFile.empty())
+        return Nothing{};
+    Result<Raster<Rgb>> albedo = readAlbedo(options.albedoFile, *info);
+    if (!albedo)
+        return albedo.error();
+    lit.albedo = std::move(*albedo);
+    return Nothing{};
+}
+
+Status process(const std::string& mode, const RasterOptions& options, const SkyLight& sky,
+               SettingsTrial::Product product, SkyViewDefinition definition, int bands,
+               const std::function<Status(LitTile&, Progress&)>& write)
+{
+    const std::string& path = options.input;
+    LitTile lit;
+    std::size_t headNotes = 0;
+    Progress progress(options.output.quiet);
+    if (Status read = readTile(options, bands, lit, headNotes, progress); !read)
+        return read;
     if (Status chosen = choose(lit, options, sky, product, definition, progress); !chosen)
         return Error{chosen.error().code, path + ": " + chosen.error().message};
     if (Status computed = compute(lit, sky, definition, progress); !computed)
@@ -761,9 +852,7 @@ Status process(const std::string& mode, const RasterOptions& options, const SkyL
     if (Status written = write(lit, progress); !written)
         return written;
     progress.reach(1.0);
-    // What only the heights could tell; the rest has been said.
-    for (std::size_t i = info->notes.size(); i < lit.dem.notes.size(); ++i)
-        warn(path + ": " + lit.dem.notes[i]);
+    sayNotes(path, lit, headNotes);
     if (!options.output.quiet)
         summarise(mode, lit);
     return Nothing{};

@@ -3,6 +3,7 @@
 #include <osgTerrainLight/HorizonMap.h>
 #include <osgTerrainLight/LightingSettings.h>
 #include <osgTerrainLight/SkyLight.h>
+#include <osgTerrainLight/SunPosition.h>
 
 #include "core/Raster.h"
 #include "core/Result.h"
@@ -38,6 +39,7 @@ Mode addHorizon(CLI::App& tool);
 Mode addSvf(CLI::App& tool);
 Mode addShadow(CLI::App& tool);
 Mode addShade(CLI::App& tool);
+Mode addSunHours(CLI::App& tool);
 Mode addRender(CLI::App& tool);
 Mode addInfo(CLI::App& tool);
 Mode addGenerate(CLI::App& tool);
@@ -88,6 +90,19 @@ void addSky(CLI::App& app, SkyLight& sky, std::string& file);
 Status readSky(const CLI::App& app, SkyLight& sky, const std::string& file);
 /// --body-radius.
 void addBodyRadius(CLI::App& app, LightingSettings& settings);
+
+/// The sun by time and place instead of --sun.
+struct SunTime
+{
+    std::optional<UtcTime> time;
+    std::optional<EarthPlace> place; ///< else the raster's own
+};
+/// An option that is a time.
+CLI::Option* addTime(CLI::App& app, const std::string& option, const std::string& help,
+                     std::function<void(UtcTime)> set);
+CLI::Option* addPlace(CLI::App& app, SunTime& sun);
+/// --time, which excludes --sun, and --place.
+void addSunTime(CLI::App& app, SunTime& sun);
 /// --key-light and --sky-harmonics.
 void addAreaLights(CLI::App& app, SkyLight& sky);
 void addReadOptions(CLI::App& app, DemReadOptions& read);
@@ -187,11 +202,27 @@ struct LitTile
     double seconds = 0.0;
 };
 
+/// The place that was given or that of the raster; an error names the raster and --place.
+Result<EarthPlace> placeOf(const RasterOptions& options, const SunTime& sun);
+/// Where a time was given, sets the sun by it, with a warning where it has set, and says so in the
+/// metadata: TERRAINLIGHT_TIME, _PLACE and _CONVERGENCE.
+Status setSun(SkyLight& sky, const RasterOptions& options, const SunTime& sun, Metadata& metadata);
+void addPlace(Metadata& metadata, const EarthPlace& place);
+
 /// Software, version, mode, settings and, where a budget chose them, their measured error.
 Metadata describe(const std::string& mode, const LitTile& lit, bool azimuths);
 void add(Metadata& metadata, const std::string& name, const std::string& value);
 void addSun(Metadata& metadata, const SkyLight& sky);
 void addAreaLights(Metadata& metadata, const SkyLight& sky);
+
+/// A DEM whose light is to be computed, read, and the context to do it in. Makes sure before that
+/// the output can be written; bands: of floats, 0 for a picture or EXR file. headNotes: notes
+/// that have been said.
+Status readTile(const RasterOptions& options, int bands, LitTile& lit, std::size_t& headNotes,
+                Progress& progress);
+
+/// What only the heights could tell: notes after the first `said`.
+void sayNotes(const std::string& path, const LitTile& lit, std::size_t said);
 
 /// Reads, computes, calls write, prints the summary. Before heights are read it makes sure that the
 /// output can be written; bands: of floats, 0 for a picture or EXR file. product: what

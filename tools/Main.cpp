@@ -131,9 +131,9 @@ int main(int count, char** values)
                           "Versions of the tool, GDAL and OpenSceneGraph");
     tool.footer("terrainlight MODE --help lists a mode's options and examples.\n"
                 "Exit status: 0 done, 1 failed, 2 mistake in the command line.");
-    const std::vector<Mode> modes = {addHorizon(tool),  addSvf(tool),    addShadow(tool),
-                                     addShade(tool),    addRender(tool), addInfo(tool),
-                                     addGenerate(tool), addBench(tool)};
+    const std::vector<Mode> modes = {addHorizon(tool),  addSvf(tool),      addShadow(tool),
+                                     addSunHours(tool), addShade(tool),    addRender(tool),
+                                     addInfo(tool),     addGenerate(tool), addBench(tool)};
     std::string names;
     bool known = count > 1 && values[1][0] == '-';
     for (const Mode& mode : modes)

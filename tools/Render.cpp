@@ -36,6 +36,7 @@ struct Options
     int width = 1024, height = 768;
     SkyLight sky;
     std::string skyFile;
+    SunTime sun;
     LightingSettings settings;
     std::string light = "both";
     double cellSize = 1.0;
@@ -83,6 +84,10 @@ std::string readerOptions(const CLI::App& app, const Options& options)
     add("--sky", "sky", options.sky.skyEnabled ? toString(options.sky.skyModel) : "none");
     add("--turbidity", "turbidity", text(options.sky.turbidity));
     add("--body-radius", "body_radius", text(options.settings.bodyRadius));
+    if (options.sun.time)
+        add("--time", "time", toString(*options.sun.time));
+    if (options.sun.place)
+        add("--place", "place", toString(*options.sun.place));
     add("--azimuths", "azimuths", std::to_string(options.settings.azimuths));
     add("--quality", "quality", toString(options.settings.quality));
     add("--bounces", "bounces", std::to_string(options.settings.bounces));
@@ -226,6 +231,20 @@ private:
     const SkyLight& _from;
 };
 
+/// Switches the viewer's keys off, and with them the clock in the picture.
+class KeysOff : public osg::NodeVisitor
+{
+public:
+    KeysOff() : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN) {}
+
+    void apply(osg::Group& group) override
+    {
+        if (auto* lighting = dynamic_cast<TerrainLighting*>(&group))
+            lighting->setKeysEnabled(false);
+        traverse(group);
+    }
+};
+
 /// The first reason why something in the scene was drawn unlit.
 class FailureFinder : public osg::NodeVisitor
 {
@@ -271,6 +290,8 @@ Status run(const CLI::App& app, Options options)
     (*scene)->accept(bounds);
     if (!bounds.getBoundingBox().valid())
         return Error{ErrorCode::Invalid, options.scene + ": nothing in it has an extent"};
+    KeysOff keysOff;
+    (*scene)->accept(keysOff);
     Progress progress(options.output.quiet);
     progress.reach(0.2);
 
@@ -315,6 +336,7 @@ Mode addRender(CLI::App& tool)
                   "lit. Without camera options: from the south, 35 degrees down");
     app->footer("Examples:\n"
                 "  terrainlight render dem.tif picture.png --sun 300,25\n"
+                "  terrainlight render dem.tif dusk.png --time 2024-06-21T19:00+02:00\n"
                 "  terrainlight render dem.tif map.png --top --size 800,800\n"
                 "  terrainlight render dem.tif wet.png --sun 0,30 --gloss 0.3 --bounces 1\n"
                 "  terrainlight render dem.tif evening.png --sun 270,4 --sky clear\n"
@@ -355,6 +377,7 @@ Mode addRender(CLI::App& tool)
         ->excludes(eye);
     addSun(*app, options->sky);
     addSky(*app, options->sky, options->skyFile);
+    addSunTime(*app, options->sun);
     addAreaLights(*app, options->sky);
     addBodyRadius(*app, options->settings);
     app->add_option("--light", options->light, "What lights the terrain; default both")

@@ -20,6 +20,8 @@ struct Options : RasterOptions
 {
     SkyLight sky;
     std::string skyFile;
+    SunTime sun;
+    Metadata sunMetadata; ///< of its time and place
 };
 
 bool isPicture(const OutputOptions& output)
@@ -133,6 +135,7 @@ Metadata metadataOf(const Options& options, const LitTile& lit)
     add(metadata, "SUN", options.sky.sunEnabled ? "yes" : "no");
     if (options.sky.sunEnabled)
     {
+        metadata.insert(metadata.end(), options.sunMetadata.begin(), options.sunMetadata.end());
         addSun(metadata, options.sky);
         add(metadata, "SUN_IRRADIANCE", text(options.sky.sunIrradiance));
     }
@@ -155,6 +158,10 @@ Status run(const CLI::App& app, Options options)
         throw CLI::ValidationError(options.maxError ? "--max-error" : "--max-ms",
                                    "chooses settings for a uniform sky and a sun: needs neither "
                                    "another sky nor --key-light");
+    if (!options.sky.sunEnabled && options.sun.time)
+        throw CLI::ValidationError("--time", "needs a sun: leave out --no-sun");
+    if (Status placed = setSun(options.sky, options, options.sun, options.sunMetadata); !placed)
+        return placed;
     const auto write = [&](LitTile& lit, Progress& progress)
     {
         const Raster<osg::Vec4f> shading = lit.lighting->readShading(lit.gpu.state());
@@ -183,6 +190,7 @@ Mode addShade(CLI::App& tool)
     app->footer("Examples:\n"
                 "  terrainlight shade dem.tif shade.tif --sun 315,35\n"
                 "  terrainlight shade dem.tif shade.png --sun 315,35 --exposure 0.5\n"
+                "  terrainlight shade dem.tif noon.png --time 2024-06-21T12:00Z\n"
                 "  terrainlight shade dem.tif glow.png --bounces 2 --albedo photo.tif\n"
                 "  terrainlight shade dem.tif key.png --no-sun --key-light 300,30,20,50,6,4,2\n"
                 "  terrainlight shade dem.tif sky.exr --no-sun --sky-radiance 1,1,1\n"
@@ -196,6 +204,7 @@ Mode addShade(CLI::App& tool)
     addBounces(*app, *options);
     addBudget(*app, *options);
     addSun(*app, options->sky);
+    addSunTime(*app, options->sun);
     addSunRadius(*app, options->sky);
     app->add_flag_function(
         "--no-sun", [options](std::int64_t) { options->sky.sunEnabled = false; }, "Sky light only");

@@ -10,10 +10,14 @@ namespace
 struct Options : RasterOptions
 {
     SkyLight sky;
+    SunTime sun;
 };
 
-Status run(const Options& options)
+Status run(Options& options)
 {
+    Metadata sun;
+    if (Status placed = setSun(options.sky, options, options.sun, sun); !placed)
+        return placed;
     const BandLabel label = {"visible fraction of the sun at azimuth " +
                                  text(options.sky.sunAzimuth) + ", elevation " +
                                  text(options.sky.sunElevation) + " degrees",
@@ -31,6 +35,7 @@ Status run(const Options& options)
     const auto write = [&](LitTile& lit, Progress& progress)
     {
         Metadata metadata = describe("shadow", lit, false);
+        metadata.insert(metadata.end(), sun.begin(), sun.end());
         addSun(metadata, options.sky);
         return writeBands(options.output, lit.dem.frame, {label}, metadata, progress,
                           [&](int) { return values(lit); });
@@ -47,12 +52,14 @@ Mode addShadow(CLI::App& tool)
         tool.add_subcommand("shadow", "Visible fraction of the sun's disc, from 0 in shadow to 1");
     app->footer("Examples:\n"
                 "  terrainlight shadow dem.tif shadow.tif --sun 225,20\n"
+                "  terrainlight shadow dem.tif june.tif --time 2024-06-21T06:30+02:00\n"
                 "  terrainlight shadow dem.tif soft.tif --sun 225,20 --sun-radius 2");
     const auto options = std::make_shared<Options>();
     options->sky.skyEnabled = false;
     addRasterOptions(*app, *options, false);
     addBudget(*app, *options);
     addSun(*app, options->sky);
+    addSunTime(*app, options->sun);
     addSunRadius(*app, options->sky);
     return {app, [options] { return run(*options); }};
 }

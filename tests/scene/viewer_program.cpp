@@ -11,6 +11,7 @@
 #include <osgViewer/CompositeViewer>
 
 #include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <iostream>
 #include <string>
@@ -231,6 +232,20 @@ int main(int argc, char** argv)
         lighting->setChild(0, still);
     }
     check(false, "after dynamic terrain went");
+    {
+        // A clock that runs, in all windows.
+        lighting->setPlace({11.5, 48.1, 0.0});
+        lighting->setKeysEnabled(true);
+        UtcTime time{};
+        for (int i = 0; i < 40; ++i)
+        {
+            lighting->setTime(time + std::chrono::minutes(30 * i));
+            viewer.frame();
+        }
+        lighting->setKeysEnabled(false);
+        lighting->setSkyLight(sky);
+    }
+    check(false, "after a day");
     expect(lighting->getTileCount() == 1, "one tile is left");
     viewer.stopThreading();
     return failures ? 1 : 0;

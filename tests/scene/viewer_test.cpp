@@ -143,6 +143,19 @@ TEST(Osgviewer, ShowsAMapAndAllOfItThatCanBeRead)
     EXPECT_NE(outcome.output.find("README.md"), std::string::npos) << outcome.output;
 }
 
+TEST(Osgviewer, ShowsAClockWithoutErrors)
+{
+    OTL_NEED("xvfb-run");
+    OTL_NEED("osgviewer");
+    for (const char* model : {"--SingleThreaded", "--DrawThreadPerContext"})
+    {
+        const Outcome outcome = runOsgviewer(
+            std::string(model) + " -O time=2024-06-21T08:00-04:00 " + dem + ".terrainlight");
+        EXPECT_EQ(outcome.exitCode, 124) << outcome.output;
+        EXPECT_EQ(outcome.output, "");
+    }
+}
+
 TEST(Osgviewer, DrawsUnlitOnOldOpenGL)
 {
     OTL_NEED("xvfb-run");

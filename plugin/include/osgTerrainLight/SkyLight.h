@@ -1,6 +1,7 @@
 #pragma once
 
 #include <osgTerrainLight/Export.h>
+#include <osgTerrainLight/SunPosition.h>
 
 #include <array>
 #include <memory>
@@ -85,6 +86,9 @@ struct OSGTERRAINLIGHT_EXPORT SkyLight
 
     /// Unit vector towards the sun: x east, y north, z up.
     std::array<double, 3> sunDirection() const;
+
+    /// Azimuth, from the map's north, and elevation of the sun by time and place.
+    void setSunAt(UtcTime time, const EarthPlace& place);
 
     /// Sky and sun of an environment, turned and multiplied: the sun is the one that was found in
     /// it, and off where there was none.

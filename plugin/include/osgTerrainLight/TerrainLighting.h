@@ -5,6 +5,7 @@
 #include <osgTerrainLight/LightingSettings.h>
 #include <osgTerrainLight/ShadingTexture.h>
 #include <osgTerrainLight/SkyLight.h>
+#include <osgTerrainLight/SunPosition.h>
 
 #include <osg/Group>
 #include <osg/StateSet>
@@ -12,6 +13,7 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,6 +49,16 @@ public:
         void setSkyLight(const SkyLight& sky);
     const SkyLight& getSkyLight() const { return _sky; }
 
+    /// Where the terrain lies on Earth; setTime() and the keys that run the day need it. Refused,
+    /// with a warning, where a value is out of its range.
+    void setPlace(const EarthPlace& place);
+    const std::optional<EarthPlace>& getPlace() const { return _place; }
+    /// Sets the sun's azimuth and elevation by time. Nothing, with a warning, where no place is
+    /// set.
+    void setTime(UtcTime time);
+    /// Of the sun as it stands; none once setSkyLight() has moved it.
+    const std::optional<UtcTime>& getTime() const { return _time; }
+
     /// Exposure takes effect in the default program only.
     void setSettings(const LightingSettings& settings);
     const LightingSettings& getSettings() const { return _settings; }
@@ -80,7 +92,7 @@ public:
     bool getDefaultProgramEnabled() const { return _defaultProgramEnabled; }
 
     /// Whether keys in the viewer's window change the light; they are listed with the viewer's own.
-    /// Default false.
+    /// While getTime() has one, the window then shows it, and where the sun stands. Default false.
     void setKeysEnabled(bool enabled);
     bool getKeysEnabled() const;
 
@@ -131,6 +143,8 @@ private:
     std::string glossProblem() const;
 
     SkyLight _sky;
+    std::optional<EarthPlace> _place;
+    std::optional<UtcTime> _time;
     LightingSettings _settings;
     bool _lightEnabled = true;
     bool _defaultProgramEnabled = true;
@@ -140,6 +154,7 @@ private:
     bool _glossIgnored = false; ///< by the method, and that has been said
     std::unique_ptr<Tiles> _tiles;
     osg::ref_ptr<osgGA::GUIEventHandler> _keys;
+    osg::ref_ptr<osg::Node> _clock;        ///< of the keys
     osg::ref_ptr<osg::StateSet> _uniforms; ///< on all below
 };
 

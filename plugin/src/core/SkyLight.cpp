@@ -47,6 +47,13 @@ void SkyLight::setEnvironment(std::shared_ptr<const Environment> from, double he
             static_cast<float>(gain * static_cast<double>(environment->sunIrradiance[c]));
 }
 
+void SkyLight::setSunAt(UtcTime time, const EarthPlace& place)
+{
+    const SunPosition sun = sunPosition(time, place);
+    sunAzimuth = std::fmod(sun.azimuth - place.convergence + 720.0, 360.0);
+    sunElevation = sun.elevation;
+}
+
 std::array<double, 3> SkyLight::sunDirection() const
 {
     const MapDirection d = directionOfCompass(sunAzimuth);

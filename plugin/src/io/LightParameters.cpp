@@ -95,9 +95,15 @@ Status setNumbers(LightParameters& parameters, const ParameterRange& range, cons
     else if (range.name == "exposure")
         parameters.settings.exposure = value;
     else if (range.name == "sun-azimuth")
+    {
         parameters.sky.sunAzimuth = value;
+        parameters.time.reset();
+    }
     else if (range.name == "sun-elevation")
+    {
         parameters.sky.sunElevation = value;
+        parameters.time.reset();
+    }
     else if (range.name == "sun-radius")
         parameters.sky.sunAngularRadius = value;
     else
@@ -193,7 +199,7 @@ std::vector<std::string> lightParameterNames()
     for (const ParameterRange& range : ParameterRange::all())
         names.push_back(underscored(range.name));
     names.insert(names.end(), {"quality", "bounce_method", "gloss_transfer", "light", "sky",
-                               "sky_harmonics", "key_lights"});
+                               "sky_harmonics", "key_lights", "time", "place"});
     return names;
 }
 
@@ -234,6 +240,22 @@ Status setLightParameter(LightParameters& parameters, const std::string& name,
         return setHarmonics(parameters.sky, name, value);
     if (name == "key_lights")
         return setKeyLights(parameters.sky, name, value);
+    if (name == "time")
+    {
+        UtcTime time;
+        if (const std::string wrong = readUtcTime(value, time); !wrong.empty())
+            return Error{ErrorCode::Invalid, name + " = " + wrong};
+        parameters.time = time;
+        return Nothing{};
+    }
+    if (name == "place")
+    {
+        EarthPlace place;
+        if (const std::string wrong = readEarthPlace(value, place); !wrong.empty())
+            return Error{ErrorCode::Invalid, name + " = " + wrong};
+        parameters.place = place;
+        return Nothing{};
+    }
     for (const ParameterRange& range : ParameterRange::all())
         if (name == underscored(range.name))
             return setNumbers(parameters, range, name, value);

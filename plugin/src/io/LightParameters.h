@@ -4,7 +4,9 @@
 #include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/LightingSettings.h>
 #include <osgTerrainLight/SkyLight.h>
+#include <osgTerrainLight/SunPosition.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,12 +21,15 @@ struct LightParameters
     std::string skyFile; ///< empty: no environment
     LightingSettings settings;
     bool lightEnabled = true;
+    /// The sun by time, instead of its azimuth and elevation; whichever was set later.
+    std::optional<UtcTime> time;
+    std::optional<EarthPlace> place; ///< else the terrain's own
 };
 
 /// Names, for messages and documentation: those of ParameterRange with '_' for '-', then
 /// "quality" (draft, normal, best), "bounce_method", "gloss_transfer", "light" (off, sky, sun,
-/// both), "sky" (uniform, overcast, clear, none or an environment's file), "sky_harmonics" and
-/// "key_lights".
+/// both), "sky" (uniform, overcast, clear, none or an environment's file), "sky_harmonics",
+/// "key_lights", "time" (as readUtcTime) and "place" (as readEarthPlace).
 OSGTERRAINLIGHT_EXPORT std::vector<std::string> lightParameterNames();
 
 /// Sets one parameter. Colours are one number or three, separated by blanks or commas.

@@ -95,8 +95,10 @@ public:
                            : name == "gloss_transfer" ? "vector or scalar"
                            : name == "sky"            ? "uniform, overcast, clear, none or a file"
                            : name == "sky_harmonics"  ? "of the sky, 1, 4, 9 or 16 coefficients"
-                           : name == "key_lights"     ? "AZIMUTH,WIDTH,LOWEST,HIGHEST,R,G,B;..."
-                                                      : "draft, normal or best");
+                           : name == "time"  ? "of the sun: YYYY-MM-DDThh:mm[:ss], UTC or +hh:mm"
+                           : name == "place" ? "LONGITUDE,LATITUDE of the sun's time"
+                           : name == "key_lights" ? "AZIMUTH,WIDTH,LOWEST,HIGHEST,R,G,B;..."
+                                                  : "draft, normal or best");
         }
         supportsOption("cell_size=METRES", "between posts of a raster without geotransform");
     }
@@ -184,6 +186,8 @@ private:
         {
             TerrainModel model;
             model.node = createLighting(options->light, "", model.warnings);
+            if (const Status set = setTimeAndPlace(*model.node, options->light, std::nullopt); !set)
+                return failed(path + ": " + set.error().message);
             model.node->addChild(scene.getNode());
             return shown(model);
         }

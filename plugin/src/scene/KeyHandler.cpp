@@ -4,7 +4,11 @@
 #include <osgGA/GUIActionAdapter>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <iomanip>
+#include <locale>
+#include <sstream>
 
 namespace osgTerrainLight
 {
@@ -25,7 +29,31 @@ constexpr Key keys[] = {
     {"X", "Terrain light: half a stop darker"},
     {"i", "Terrain light: toggle on and off"},
     {"k", "Terrain light: sun and sky, sky only, sun only"},
+    {"d", "Terrain light: start and stop the day's clock"},
+    {"n", "Terrain light: clock twice as fast"},
+    {"N", "Terrain light: clock half as fast"},
+    {"j", "Terrain light: an hour on"},
+    {"J", "Terrain light: an hour back"},
+    {"y", "Terrain light: a day on"},
+    {"Y", "Terrain light: a day back"},
 };
+
+constexpr double fastest = 86400.0; // a day per second
+
+/// What the clock shows. speed: 0 where it stands still.
+std::string said(const TerrainLighting& lighting, double speed)
+{
+    const std::string time = toString(*lighting.getTime());
+    const SunPosition sun = sunPosition(*lighting.getTime(), *lighting.getPlace());
+    std::ostringstream text;
+    text.imbue(std::locale::classic());
+    text << time.substr(0, 10) << "  " << time.substr(11, 8) << " UTC";
+    if (speed > 0.0)
+        text << "  x " << speed;
+    text << std::fixed << std::setprecision(1) << "\nsun: azimuth " << sun.azimuth << ", elevation "
+         << sun.elevation << " degrees";
+    return text.str();
+}
 
 /// Both, sky only, sun only, and again.
 void nextTerm(SkyLight& sky)
@@ -39,7 +67,7 @@ void nextTerm(SkyLight& sky)
 }
 } // namespace
 
-KeyHandler::KeyHandler(TerrainLighting& lighting) : _lighting(&lighting)
+KeyHandler::KeyHandler(TerrainLighting& lighting) : _lighting(&lighting), _clock(new ClockDisplay)
 {
     // A viewer asks its own handlers for their keys, not those in the scene; but stock viewers'
     // help starts from this list.
@@ -55,14 +83,51 @@ void KeyHandler::getUsage(osg::ApplicationUsage& usage) const
 bool KeyHandler::handle(const osgGA::GUIEventAdapter& event, osgGA::GUIActionAdapter& action)
 {
     osg::ref_ptr<TerrainLighting> lighting;
-    if (event.getHandled() || event.getEventType() != osgGA::GUIEventAdapter::KEYDOWN ||
-        !_lighting.lock(lighting))
+    if (!_lighting.lock(lighting))
         return false;
-    SkyLight sky = lighting->getSkyLight();
-    LightingSettings settings = lighting->getSettings();
+    if (event.getEventType() == osgGA::GUIEventAdapter::FRAME)
+        runClock(event.getTime(), *lighting, action);
+    if (event.getHandled() || event.getEventType() != osgGA::GUIEventAdapter::KEYDOWN ||
+        !handleKey(event.getKey(), *lighting))
+        return false;
+    _lastFrame = event.getTime();
+    action.requestRedraw();
+    return true;
+}
+
+bool KeyHandler::handleKey(int key, TerrainLighting& lighting)
+{
+    SkyLight sky = lighting.getSkyLight();
+    LightingSettings settings = lighting.getSettings();
     const auto exposure = *ParameterRange::find("exposure");
-    switch (event.getKey())
+    using namespace std::chrono;
+    const UtcTime time =
+        lighting.getTime().value_or(time_point_cast<milliseconds>(system_clock::now()));
+    switch (key)
     {
+    case 'd':
+        if (!lighting.getTime())
+            lighting.setTime(time);
+        _running = !_running && lighting.getTime();
+        return true;
+    case 'n':
+        _speed = std::min(2.0 * _speed, fastest);
+        return true;
+    case 'N':
+        _speed = std::max(0.5 * _speed, 1.0);
+        return true;
+    case 'j':
+        lighting.setTime(time + hours(1));
+        return true;
+    case 'J':
+        lighting.setTime(time - hours(1));
+        return true;
+    case 'y':
+        lighting.setTime(time + hours(24));
+        return true;
+    case 'Y':
+        lighting.setTime(time - hours(24));
+        return true;
     case 'r':
         sky.sunAzimuth = std::fmod(sky.sunAzimuth + 365.0, 360.0);
         break;
@@ -82,7 +147,7 @@ bool KeyHandler::handle(const osgGA::GUIEventAdapter& event, osgGA::GUIActionAda
         settings.exposure = std::max(settings.exposure - 0.5, exposure.minimum);
         break;
     case 'i':
-        lighting->setLightEnabled(!lighting->getLightEnabled());
+        lighting.setLightEnabled(!lighting.getLightEnabled());
         break;
     case 'k':
         nextTerm(sky);
@@ -90,10 +155,24 @@ bool KeyHandler::handle(const osgGA::GUIEventAdapter& event, osgGA::GUIActionAda
     default:
         return false;
     }
-    lighting->setSkyLight(sky);
-    lighting->setSettings(settings);
-    action.requestRedraw();
+    lighting.setSkyLight(sky);
+    lighting.setSettings(settings);
     return true;
+}
+
+void KeyHandler::runClock(double now, TerrainLighting& lighting, osgGA::GUIActionAdapter& action)
+{
+    _running = _running && lighting.getTime(); // keys or the host may have moved the sun
+    if (_running)
+    {
+        // A window that hung does not skip half a day.
+        const double seconds = _speed * std::clamp(now - _lastFrame, 0.0, 1.0);
+        _lastFrame = now;
+        lighting.setTime(*lighting.getTime() +
+                         std::chrono::milliseconds(std::llround(1000.0 * seconds)));
+        action.requestRedraw();
+    }
+    _clock->show(lighting.getTime() ? said(lighting, _running ? _speed : 0.0) : "");
 }
 
 } // namespace osgTerrainLight

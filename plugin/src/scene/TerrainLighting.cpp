@@ -12,6 +12,7 @@
 #include "scene/TileSet.h"
 
 #include <osg/Camera>
+#include <osg/DisplaySettings>
 #include <osg/Drawable>
 #include <osg/Notify>
 #include <osgGA/EventVisitor>
@@ -657,9 +658,10 @@ TerrainLighting::TerrainLighting() : _tiles(new Tiles(*this))
 }
 
 TerrainLighting::TerrainLighting(const TerrainLighting& other, const osg::CopyOp& copyop)
-    : osg::Group(other, copyop), _sky(other._sky), _settings(other._settings),
-      _defaultProgramEnabled(other._defaultProgramEnabled), _textureUnit(other._textureUnit),
-      _glossLayer(other._glossLayer), _glossIgnored(other._glossIgnored), _tiles(new Tiles(*this))
+    : osg::Group(other, copyop), _sky(other._sky), _place(other._place), _time(other._time),
+      _settings(other._settings), _defaultProgramEnabled(other._defaultProgramEnabled),
+      _textureUnit(other._textureUnit), _glossLayer(other._glossLayer),
+      _glossIgnored(other._glossIgnored), _tiles(new Tiles(*this))
 {
     setNumChildrenRequiringUpdateTraversal(getNumChildrenRequiringUpdateTraversal() + 1);
     applyUniforms();
@@ -677,10 +679,41 @@ void TerrainLighting::setSkyLight(const SkyLight& sky)
         warn("sky light not set: " + problem);
     if (!problem.empty() || same(sky, _sky))
         return;
+    if (sky.sunAzimuth != _sky.sunAzimuth || sky.sunElevation != _sky.sunElevation)
+        _time.reset();
     _sky = sky;
     applyUniforms();
     _tiles->forEach([&](LitTile& tile) { tile.lighting().setSky(sky); });
     _tiles->set->touch();
+}
+
+void TerrainLighting::setPlace(const EarthPlace& place)
+{
+    const std::string problem = place.complaint();
+    if (!problem.empty())
+        warn("place not set: " + problem);
+    else
+        _place = place;
+    if (problem.empty() && _time)
+        setTime(*_time);
+}
+
+void TerrainLighting::setTime(UtcTime time)
+{
+    UtcTime same;
+    std::string problem = readUtcTime(toString(time), same);
+    if (!_place)
+        problem = "the terrain's place on Earth is not known: needs setPlace() (reader option "
+                  "place=LONGITUDE,LATITUDE)";
+    if (!problem.empty())
+    {
+        warn("time not set: " + problem);
+        return;
+    }
+    SkyLight sky = _sky;
+    sky.setSunAt(time, *_place);
+    setSkyLight(sky);
+    _time = time;
 }
 
 void TerrainLighting::setSettings(const LightingSettings& settings)
@@ -818,7 +851,12 @@ void TerrainLighting::setKeysEnabled(bool enabled)
 {
     if (enabled == getKeysEnabled())
         return;
-    _keys = enabled ? new KeyHandler(*this) : nullptr;
+    const osg::ref_ptr<KeyHandler> keys = enabled ? new KeyHandler(*this) : nullptr;
+    _keys = keys;
+    _clock = keys ? keys->clock() : nullptr;
+    if (_clock) // contexts that exist already draw it from threads of their own
+        _clock->resizeGLObjectBuffers(
+            osg::DisplaySettings::instance()->getMaxNumberOfGraphicsContexts());
     const unsigned others = getNumChildrenRequiringEventTraversal();
     setNumChildrenRequiringEventTraversal(enabled ? others + 1 : others - 1);
 }
@@ -893,6 +931,9 @@ void TerrainLighting::traverse(osg::NodeVisitor& visitor)
         cull->pushStateSet(_uniforms);
         osg::Group::traverse(visitor);
         cull->popStateSet();
+        // In a viewer's window; not in mirrors and shadow maps of its scene.
+        if (_clock && cull->getCurrentCamera()->getView())
+            _clock->accept(visitor);
         return;
     }
     osgGA::EventVisitor* events = _keys ? visitor.asEventVisitor() : nullptr;
@@ -916,6 +957,8 @@ void TerrainLighting::releaseGLObjects(osg::State* state) const
     _tiles->forEach([&](LitTile& tile) { tile.lighting().releaseGLObjects(state); });
     _tiles->set->forget(state ? state->getContextID() : ~0u);
     _tiles->camera->releaseGLObjects(state);
+    if (_clock)
+        _clock->releaseGLObjects(state);
     if (_tiles->noGloss)
         _tiles->noGloss->releaseGLObjects(state);
 }
@@ -939,6 +982,8 @@ void TerrainLighting::resizeGLObjectBuffers(unsigned size)
     osg::Group::traverse(resizer);
     _tiles->forEach([&](LitTile& tile) { tile.lighting().resizeGLObjectBuffers(size); });
     _tiles->camera->resizeGLObjectBuffers(size);
+    if (_clock)
+        _clock->resizeGLObjectBuffers(size);
     if (_tiles->noGloss)
         _tiles->noGloss->resizeGLObjectBuffers(size);
 }

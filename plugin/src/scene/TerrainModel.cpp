@@ -1,5 +1,6 @@
 #include "scene/TerrainModel.h"
 
+#include "io/MapPlace.h"
 #include "scene/TerrainTileReader.h"
 #include <osgTerrainLight/Environment.h>
 
@@ -188,6 +189,21 @@ osg::ref_ptr<TerrainLighting> createLighting(const LightParameters& light,
     return node;
 }
 
+Status setTimeAndPlace(TerrainLighting& node, const LightParameters& light,
+                       const std::optional<DemTile>& tile)
+{
+    const Result<EarthPlace> place = placeInstead(light.place, placeOf(tile.value_or(DemTile())));
+    if (place)
+        node.setPlace(*place);
+    else if (light.time)
+        return Error{place.error().code, "time = " + toString(*light.time) + ": " +
+                                             place.error().message +
+                                             ": needs place, LONGITUDE,LATITUDE"};
+    if (light.time)
+        node.setTime(*light.time);
+    return Nothing{};
+}
+
 Result<TerrainModel> loadRaster(const std::string& path, std::optional<double> cellSize,
                                 const LightParameters& light)
 {
@@ -199,6 +215,8 @@ Result<TerrainModel> loadRaster(const std::string& path, std::optional<double> c
     osg::ref_ptr<osg::Node> terrain = createTerrain(file->tile);
     terrain->setName(baseName(path));
     model.node->addChild(terrain);
+    if (const Status set = setTimeAndPlace(*model.node, light, file->tile); !set)
+        return Error{set.error().code, path + ": " + set.error().message};
     addNotes(path, *file, model);
     return model;
 }
@@ -265,6 +283,8 @@ TerrainModel loadMap(const EarthMap& map, const std::string& folder, const std::
     }
     else
         model.warnings.push_back(source + ": no layer could be read; the map is empty");
+    if (const Status set = setTimeAndPlace(*model.node, map.light, tile); !set)
+        model.warnings.push_back(source + ": " + set.error().message);
     return model;
 }
 

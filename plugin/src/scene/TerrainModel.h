@@ -37,6 +37,11 @@ OSGTERRAINLIGHT_EXPORT osg::ref_ptr<TerrainLighting>
 createLighting(const LightParameters& light, const std::string& folder,
                std::vector<std::string>& warnings);
 
+/// Time and place of the light, the place of the tile below where none was given. An error where
+/// there is a time and no place.
+OSGTERRAINLIGHT_EXPORT Status setTimeAndPlace(TerrainLighting& node, const LightParameters& light,
+                                              const std::optional<DemTile>& tile);
+
 /// A lit DEM. cellSize [m]: of a raster without geotransform.
 OSGTERRAINLIGHT_EXPORT Result<TerrainModel>
 loadRaster(const std::string& path, std::optional<double> cellSize, const LightParameters& light);
