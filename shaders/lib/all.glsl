@@ -5,3 +5,4 @@
 #include "horizon.glsl"
 #include "sky.glsl"
 #include "legendre.glsl"
+#include "environment.glsl"
