@@ -5,6 +5,7 @@
 #include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
 #include "gpu/passes/EnvironmentHarmonicsPass.h"
+#include "support/CubeMap.h"
 #include "support/GlContext.h"
 
 #include <gtest/gtest.h>
@@ -95,26 +96,6 @@ Samples samplesOf(const Picture& picture, int cuts, double heading = 0.0)
     return samples;
 }
 
-/// Faces +x, −x, +y, −y, +z, −z of size² texels, by OpenGL's table 8.18.
-Vector cubeDirection(int face, double s, double t)
-{
-    switch (face)
-    {
-    case 0:
-        return {1.0, -t, -s};
-    case 1:
-        return {-1.0, -t, s};
-    case 2:
-        return {s, 1.0, t};
-    case 3:
-        return {s, -1.0, -t};
-    case 4:
-        return {s, -t, 1.0};
-    default:
-        return {-s, -t, -1.0};
-    }
-}
-
 /// Solid angle from the middle of a face to (u, v), in closed form.
 double corner(double u, double v)
 {
@@ -133,11 +114,10 @@ Samples samplesOfCube(int size, const std::vector<Rgb>& radiance, int cuts)
                 const double low = 2.0 * y / n - 1.0, high = 2.0 * (y + 1) / n - 1.0;
                 const Rgb& c =
                     radiance[static_cast<std::size_t>((face * size + y / cuts) * size + x / cuts)];
-                samples.push_back(
-                    {normalised(cubeDirection(face, 0.5 * (left + right), 0.5 * (low + high))),
-                     corner(right, high) - corner(left, high) - corner(right, low) +
-                         corner(left, low),
-                     {double(c[0]), double(c[1]), double(c[2])}});
+                samples.push_back({directionOnCube(face, 0.5 * (left + right), 0.5 * (low + high)),
+                                   corner(right, high) - corner(left, high) - corner(right, low) +
+                                       corner(left, low),
+                                   {double(c[0]), double(c[1]), double(c[2])}});
             }
     return samples;
 }
@@ -250,20 +230,6 @@ double relativeError(const Harmonics& found, const Harmonics& expected)
         worst = std::max(worst, difference / std::sqrt(square));
     }
     return worst;
-}
-
-/// Texels of a cube map, face by face, RGBA.
-std::vector<float> readCube(osg::State& state, osg::TextureCubeMap& map)
-{
-    const auto side = static_cast<std::size_t>(map.getTextureWidth());
-    std::vector<float> values(6 * side * side * 4);
-    state.setActiveTextureUnit(0);
-    map.apply(state);
-    state.haveAppliedTextureAttribute(0, osg::StateAttribute::TEXTURE);
-    for (unsigned face = 0; face < 6; ++face)
-        glGetTexImage(GL_TEXTURE_CUBE_MAP_POSITIVE_X + face, 0, GL_RGBA, GL_FLOAT,
-                      &values[face * side * side * 4]);
-    return values;
 }
 
 /// ∫ kernel(d · n) L(d) dω over all samples.
@@ -490,8 +456,8 @@ TEST(IrradianceMap, AgainstQuadrature)
             double greatest = 0.0, ofOrder = 0.0, ofTruth = 0.0, mean = 0.0;
             for (int texel = 0; texel < 6 * 64; texel += 3)
             {
-                const Vector n = normalised(cubeDirection(texel / 64, (texel % 8 + 0.5) / 4.0 - 1.0,
-                                                          (texel / 8 % 8 + 0.5) / 4.0 - 1.0));
+                const Vector n = directionOnCube(texel / 64, (texel % 8 + 0.5) / 4.0 - 1.0,
+                                                 (texel / 8 % 8 + 0.5) / 4.0 - 1.0);
                 const Colour limitedLight = convolved(samples, n, cut);
                 const Colour light = convolved(samples, n, kernel);
                 for (std::size_t c = 0; c < 3; ++c)

@@ -93,6 +93,8 @@ const std::vector<Variant> variants = {
     {"legendre_light", {"DIRECT", "SUBSAMPLED"}},
     {"legendre_light", {"DIRECT", "HARMONICS", "SUBSAMPLED"}},
     {"post_radiance", {}},
+    {"probe_panorama", {}},
+    {"probe_panorama", {"SKY_PICTURE"}},
     {"pyramid", {}},
     {"pyramid", {"FROM_CELLS"}},
     {"pyramid", {"HEIGHTS"}},
