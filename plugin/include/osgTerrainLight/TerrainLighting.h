@@ -117,7 +117,8 @@ public:
     std::size_t getTileCount() const;
 
     /// Runs of each stage (heights that change, horizon, table, sky, sun, key, pyramid, shade,
-    /// gloss, bounce, indirect, probe) since creation, all tiles and contexts. A still scene adds none.
+    /// gloss, bounce, indirect, probe) since creation, all tiles and contexts. A still scene adds
+    /// none.
     std::map<std::string, unsigned> getDispatchCounts() const;
     unsigned getDispatchCount() const;
 
