@@ -11,7 +11,7 @@ from pathlib import Path
 
 PLAIN_VALUES = {"DemTile.h", "Environment.h", "Export.h", "HorizonMap.h", "LightingSettings.h", "SkyLight.h",
                 "SunPosition.h"}
-MAY_USE_OSG = {"DynamicTerrain.h", "TerrainLighting.h", "PlacedObject.h", "ShadingTexture.h"}
+MAY_USE_OSG = {"DynamicTerrain.h", "LightProbe.h", "TerrainLighting.h", "PlacedObject.h", "ShadingTexture.h"}
 
 # Package -> what its files may include: packages of ours (`values` are the public headers of plain
 # values, `public` the other public headers) and families of foreign headers.

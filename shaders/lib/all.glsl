@@ -6,3 +6,4 @@
 #include "sky.glsl"
 #include "clear_sky.glsl"
 #include "legendre.glsl"
+#include "environment.glsl"

@@ -1,8 +1,9 @@
 // Time of the stages on generated terrain: horizons by quality and size, sun, sky view and shading;
-// and of updates in which the sun moves, by the interval between bounces. Wall clock, ended by
-// glFinish. The rate counts posts times azimuths.
+// of updates in which the sun moves, by the interval between bounces; and of irradiance maps. Wall
+// clock, ended by glFinish. The rate counts posts times azimuths, or maps.
 #include "core/SyntheticTerrain.h"
 #include "gpu/HeadlessContext.h"
+#include "gpu/passes/EnvironmentHarmonicsPass.h"
 #include "scene/TileLighting.h"
 
 #include <benchmark/benchmark.h>
@@ -103,6 +104,46 @@ void movingSun(benchmark::State& bench)
 BENCHMARK(movingSun)
     ->ArgNames({"size", "interval"})
     ->ArgsProduct({{128, 512}, {1, 2, 4, 8}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+/// King 2005, section 10.4: a diffuse map of 32² × 6 texels from a cube map of 64² × 6, anew each
+/// time.
+void irradianceMap(benchmark::State& bench)
+{
+    if (!context())
+    {
+        bench.SkipWithError("no OpenGL context");
+        return;
+    }
+    osg::State& state = context()->state();
+    const int order = static_cast<int>(bench.range(0));
+    const osg::ref_ptr<osg::TextureCubeMap> environment = IrradianceMapPass::createMap(64);
+    const osg::ref_ptr<osg::TextureCubeMap> map = IrradianceMapPass::createMap(32);
+    const osg::ref_ptr<EnvironmentHarmonicsPass> project = new EnvironmentHarmonicsPass(order);
+    const osg::ref_ptr<IrradianceMapPass> evaluate =
+        new IrradianceMapPass(project->harmonics(), order);
+    const auto compute = [&]
+    {
+        const bool done = project->dispatch(state, environment).ok() &&
+                          evaluate->dispatchDiffuse(state, map, {}).ok();
+        glFinish();
+        return done;
+    };
+    if (!compute()) // compiles the shaders
+    {
+        bench.SkipWithError("the shaders do not compile");
+        return;
+    }
+    for (auto _ : bench)
+        benchmark::DoNotOptimize(compute());
+    bench.counters["rate"] =
+        benchmark::Counter(static_cast<double>(bench.iterations()), benchmark::Counter::kIsRate);
+}
+BENCHMARK(irradianceMap)
+    ->ArgName("order")
+    ->Arg(3)
+    ->Arg(6)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 

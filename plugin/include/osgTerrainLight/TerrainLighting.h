@@ -21,11 +21,16 @@ namespace osgGA
 {
 class GUIEventHandler;
 }
+namespace osgTerrain
+{
+class TerrainTile;
+}
 
 namespace osgTerrainLight
 {
 
 class DynamicTerrain;
+class LightProbe;
 
 /// Lights the terrain below it: every osgTerrain::TerrainTile, those that are added or paged in
 /// later too, and what addTile() is given.
@@ -113,10 +118,19 @@ public:
     /// drawn use it.
     void removeTile(osg::StateSet* stateSet);
 
+    /// Computes the light at a probe's place on a tile: one that addTile() was given, by its
+    /// StateSet, or one found below. It may not be there yet, and may go and come again. False,
+    /// with a warning, where there is no probe or no tile, or the probe has been added.
+    bool addProbe(LightProbe* probe, osg::StateSet* tile);
+    bool addProbe(LightProbe* probe, osgTerrain::TerrainTile* tile);
+    /// Its maps keep the light that they have.
+    void removeProbe(LightProbe* probe);
+
     std::size_t getTileCount() const;
 
     /// Runs of each stage (heights that change, horizon, table, sky, sun, key, pyramid, shade,
-    /// gloss, bounce, indirect) since creation, all tiles and contexts. A still scene adds none.
+    /// gloss, bounce, indirect, probe) since creation, all tiles and contexts. A still scene adds
+    /// none.
     std::map<std::string, unsigned> getDispatchCounts() const;
     unsigned getDispatchCount() const;
 

@@ -132,7 +132,8 @@ Status GpuPass::dispatch(osg::State& state, Groups groups)
     for (std::size_t unit = 0; unit < _outputs.size(); ++unit)
     {
         const Output& output = _outputs[unit];
-        const bool layered = output.texture->getTextureTarget() == GL_TEXTURE_2D_ARRAY_EXT;
+        const GLenum target = output.texture->getTextureTarget();
+        const bool layered = target == GL_TEXTURE_2D_ARRAY_EXT || target == GL_TEXTURE_CUBE_MAP;
         extensions->glBindImageTexture(
             static_cast<GLuint>(unit), output.texture->getTextureObject(context)->id(), 0,
             layered ? GL_TRUE : GL_FALSE, 0,

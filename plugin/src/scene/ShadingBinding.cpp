@@ -2,6 +2,7 @@
 
 #include "gpu/ShaderLibrary.h"
 #include <osgTerrainLight/DynamicTerrain.h>
+#include <osgTerrainLight/LightProbe.h>
 
 #include <cassert>
 
@@ -69,6 +70,11 @@ osg::ref_ptr<osg::Shader> createGlossShader(osg::Shader::Type type, int version)
 osg::ref_ptr<osg::Shader> createHeightShader(osg::Shader::Type type, int version)
 {
     return hostShader(type, "terrain_heights.glsl", std::to_string(version));
+}
+
+osg::ref_ptr<osg::Shader> createProbeShader(osg::Shader::Type type, int version)
+{
+    return hostShader(type, "terrain_probe.glsl", std::to_string(version));
 }
 
 osg::ref_ptr<osg::Program> createDefaultProgram(bool glossy)

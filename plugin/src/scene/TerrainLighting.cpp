@@ -1,6 +1,7 @@
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include <osgTerrainLight/DynamicTerrain.h>
+#include <osgTerrainLight/LightProbe.h>
 
 #include "core/SkyRadiance.h"
 #include "gpu/ShaderLibrary.h"
@@ -230,7 +231,7 @@ public:
             if (entry.lit.tile)
                 followGlossLayer(*tile, entry.lit);
             followGloss(entry.lit);
-            if (entry.lit.tile && _owner._settings.bounces > 0)
+            if (entry.lit.tile && (_owner._settings.bounces > 0 || !_probes.empty()))
                 followAlbedo(*tile, entry.lit);
             if (entry.lit.binding && entry.byTexCoord)
             {
@@ -240,6 +241,7 @@ public:
                 addTileCoordinates(*tile, finder.found.front().parts);
             }
         }
+        followProbes();
     }
 
     bool add(const DemTile& dem, osg::StateSet* stateSet, const ShadingCoordinates& coordinates,
@@ -295,6 +297,24 @@ public:
     {
         return std::any_of(_added.begin(), _added.end(),
                            [](const auto& added) { return added.second.hasGloss; });
+    }
+
+    bool addProbe(LightProbe* probe, osg::StateSet* stateSet, osgTerrain::TerrainTile* tile)
+    {
+        if (!probe || (!stateSet && !tile) ||
+            std::any_of(_probes.begin(), _probes.end(),
+                        [probe](const Probe& known) { return known.probe == probe; }))
+            return false;
+        _probes.push_back({probe, stateSet, tile});
+        return true;
+    }
+    void removeProbe(const LightProbe* probe)
+    {
+        const auto last =
+            std::remove_if(_probes.begin(), _probes.end(),
+                           [probe](const Probe& known) { return known.probe == probe; });
+        _probesGone = _probesGone || last != _probes.end();
+        _probes.erase(last, _probes.end());
     }
 
     /// Whether a tile's shading is in the unit.
@@ -360,6 +380,13 @@ private:
         std::optional<osg::Object::DataVariance> theirVariance;
         bool byTexCoord = false;
         bool seen = false;
+    };
+    /// A probe on one of the tiles that were added, or that are found.
+    struct Probe
+    {
+        osg::ref_ptr<LightProbe> probe;
+        osg::ref_ptr<osg::StateSet> stateSet;
+        osg::observer_ptr<osgTerrain::TerrainTile> tile;
     };
     /// A binding that frames still being drawn may use.
     struct Retired
@@ -432,6 +459,45 @@ private:
             lit.tile->lighting().setHeightTexture(lit.terrain->getHeightTexture());
         lit.heights = lit.terrain->getHeightTexture();
         set->touch();
+    }
+
+    /// Hands on the places of probes that are new, have changed or are gone.
+    void followProbes()
+    {
+        if (_probes.empty() && !_probesGone)
+            return;
+        _probesGone = false;
+        std::map<const LitTile*, std::vector<ProbePlace>> places;
+        for (const Probe& probe : _probes)
+        {
+            const auto added = _added.find(probe.stateSet);
+            const auto found = _found.find(probe.tile.get());
+            const Lit* lit = added != _added.end()   ? &added->second
+                             : found != _found.end() ? &found->second.lit
+                                                     : nullptr;
+            if (lit && lit->tile)
+                places[lit->tile].push_back(placeOf(*probe.probe, lit->tile->lighting().tile()));
+        }
+        forEach(
+            [&](LitTile& tile)
+            {
+                if (tile.lighting().setProbes(places[&tile]))
+                    set->touch();
+            });
+    }
+
+    static ProbePlace placeOf(const LightProbe& probe, const DemTile& tile)
+    {
+        ProbePlace place;
+        place.row = std::clamp(probe.getNorth() / tile.northSpacing, 0.0, tile.height() - 1.0);
+        const double spacing = tile.eastSpacing(static_cast<int>(place.row + 0.5));
+        place.column = std::clamp(probe.getEast() / spacing, 0.0, tile.width() - 1.0);
+        place.height = probe.getHeight();
+        place.aboveGround = probe.isAboveGround();
+        place.exponent = probe.getExponent();
+        place.diffuse = probe.getDiffuseMap();
+        place.glossy = probe.getGlossyMap();
+        return place;
     }
 
     void release(Lit& lit, osgTerrain::TerrainTile* emptied = nullptr)
@@ -648,6 +714,8 @@ private:
     std::map<osgTerrain::TerrainTile*, Entry> _found;
     std::map<osg::ref_ptr<osg::StateSet>, Lit> _added;
     std::deque<Retired> _retired;
+    std::vector<Probe> _probes;
+    bool _probesGone = false; ///< some have been removed since the last update
     bool _searched = false;
 };
 
@@ -882,6 +950,27 @@ bool TerrainLighting::addTile(DynamicTerrain* terrain)
         warn("dynamic terrain not added: needs 2 x 2 posts or more, not to have been added, and a "
              "texture unit other than that of its heights");
     return added;
+}
+
+bool TerrainLighting::addProbe(LightProbe* probe, osg::StateSet* tile)
+{
+    const bool added = _tiles->addProbe(probe, tile, nullptr);
+    if (!added)
+        warn("probe not added: needs a probe that has not been added, and a tile's StateSet");
+    return added;
+}
+
+bool TerrainLighting::addProbe(LightProbe* probe, osgTerrain::TerrainTile* tile)
+{
+    const bool added = _tiles->addProbe(probe, nullptr, tile);
+    if (!added)
+        warn("probe not added: needs a probe that has not been added, and a terrain tile");
+    return added;
+}
+
+void TerrainLighting::removeProbe(LightProbe* probe)
+{
+    _tiles->removeProbe(probe);
 }
 
 void TerrainLighting::removeTile(osg::StateSet* stateSet)

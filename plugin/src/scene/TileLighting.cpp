@@ -66,6 +66,7 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
     _keyPlaceValue = _chain.addSource();
     _lightValue = _chain.addSource();
     _bounceValue = _chain.addSource();
+    _probeValue = _chain.addSource();
     const auto heights = _chain.addStage({"heights",
                                           {_heightsValue},
                                           [this] { return _posts.valid(); },
@@ -168,20 +169,26 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                          [this]
                          {
                              _bounce = nullptr;
-                             _albedoTexture = nullptr;
+                             if (_probes.empty())
+                                 _albedoTexture = nullptr;
                          },
                          [this](unsigned contextID) { return bounceTurn(contextID); }});
-    _chain.addStage({"indirect",
-                     {_shadeOutput, bounce},
-                     [this] { return sumNeeded(); },
-                     [this](osg::State& state) { return _sum->addTo(state, _shading); },
-                     [this] { return _sum ? textureBytes(*_sum->texture()) : 0; },
-                     [this] { _sum = nullptr; },
-                     // Bounces that have just been computed are in the shading.
-                     [this](unsigned contextID) {
-                         return _paces[contextID].waits ? PassChain::Turn::Run
-                                                        : PassChain::Turn::Skip;
-                     }});
+    const auto indirect = _chain.addStage(
+        {"indirect",
+         {_shadeOutput, bounce},
+         [this] { return sumNeeded(); },
+         [this](osg::State& state) { return _sum->addTo(state, _shading); },
+         [this] { return _sum ? textureBytes(*_sum->texture()) : 0; },
+         [this] { _sum = nullptr; },
+         // Bounces that have just been computed are in the shading.
+         [this](unsigned contextID)
+         { return _paces[contextID].waits ? PassChain::Turn::Run : PassChain::Turn::Skip; }});
+    _chain.addStage({"probe",
+                     {_shadeOutput, bounce, indirect, table, _probeValue},
+                     [this] { return !_probes.empty(); },
+                     [this](osg::State& state) { return runProbe(state); },
+                     [this] { return _probePass ? _probePass->bytes() : 0; },
+                     [this] { _probePass = nullptr; }});
     followGloss();
 }
 
@@ -334,6 +341,16 @@ void TileLighting::setAlbedo(Raster<Rgb> albedo)
     _albedoIsBlack = std::all_of(_albedo.values().begin(), _albedo.values().end(), isBlack);
     _albedoTexture = nullptr;
     _chain.touch(_bounceValue);
+}
+
+bool TileLighting::setProbes(std::vector<ProbePlace> probes)
+{
+    Lock lock(_mutex);
+    if (probes == _probes)
+        return false;
+    _probes = std::move(probes);
+    _chain.touch(_probeValue);
+    return true;
 }
 
 void TileLighting::setSky(const SkyLight& sky)
@@ -523,16 +540,21 @@ Status TileLighting::runSun(osg::State& state)
     if (!_sun)
         _sun =
             new HorizonPass(_tile, _heights, HorizonScheme::ofSun(_settings.quality), sunAzimuths);
+    const std::array<MapDirection, 3> directions = sunDirections();
+    _sun->setDirections({directions.begin(), directions.end()});
+    return _sun->dispatch(state);
+}
+
+std::array<MapDirection, 3> TileLighting::sunDirections() const
+{
     // SUN_SIDE of the disc's radius to either side, as an azimuth: less than 90 degrees, all around
     // where the disc holds the zenith.
     const double side = static_cast<double>(Glsl<float>::SUN_SIDE) * _sky.sunAngularRadius;
     const double turn = std::atan2(std::sin(side * radiansPerDegree),
                                    std::cos(_sky.sunElevation * radiansPerDegree)) /
                         radiansPerDegree;
-    _sun->setDirections({directionOfCompass(_sky.sunAzimuth - turn),
-                         directionOfCompass(_sky.sunAzimuth),
-                         directionOfCompass(_sky.sunAzimuth + turn)});
-    return _sun->dispatch(state);
+    return {directionOfCompass(_sky.sunAzimuth - turn), directionOfCompass(_sky.sunAzimuth),
+            directionOfCompass(_sky.sunAzimuth + turn)};
 }
 
 Status TileLighting::runKey(osg::State& state)
@@ -621,9 +643,7 @@ Status TileLighting::runBounce(osg::State& state)
     if (!_bounce)
         _bounce = new LegendreBouncePass(_tile, *_pyramid, _eastSpacings,
                                          LegendreScheme::of(_settings), _settings.bounces);
-    if (!_albedoTexture)
-        _albedoTexture =
-            createColourTexture(_albedo.size() ? _albedo : Raster<Rgb>(1, 1, _settings.albedo));
+    createAlbedo();
     _bounce->setAreaLights(areaLights());
     if (sumNeeded() && !_sum)
         _sum = new LightSum(width(), height());
@@ -634,6 +654,33 @@ Status TileLighting::runBounce(osg::State& state)
     if (!done) // some of it may have been added: shade anew before the next try
         _chain.touch(_bounceValue);
     return done;
+}
+
+void TileLighting::createAlbedo()
+{
+    if (!_albedoTexture)
+        _albedoTexture =
+            createColourTexture(_albedo.size() ? _albedo : Raster<Rgb>(1, 1, _settings.albedo));
+}
+
+Status TileLighting::runProbe(osg::State& state)
+{
+    if (!_probePass)
+        _probePass = new ProbePass(_tile);
+    createAlbedo();
+    ProbePass::Light light;
+    light.heights = _heights;
+    light.frame = frame();
+    light.shading = _shading;
+    light.albedo = _albedoTexture;
+    light.sky = tableNeeded() ? _table->picture() : nullptr;
+    light.light = _sky;
+    light.hasSun = sunNeeded();
+    light.sun = sunDirections();
+    for (const ProbePlace& place : _probes)
+        if (Status done = _probePass->dispatch(state, place, light); !done)
+            return done;
+    return Nothing{};
 }
 
 Raster<osg::Vec4f> TileLighting::coloursOf(const std::vector<float>& values) const
@@ -698,8 +745,12 @@ std::vector<StageCost> TileLighting::costs() const
     std::vector<StageCost> costs = _chain.costs();
     if (!_posts)
         costs.erase(costs.begin()); // heights that nothing changes have no stage
-    if (!sumNeeded() && costs.back().dispatches == 0)
-        costs.pop_back(); // nor have bounces that are never kept
+    if (_probes.empty() && costs.back().dispatches == 0)
+        costs.pop_back(); // nor have probes that there are none of
+    const auto indirect = std::find_if(
+        costs.begin(), costs.end(), [](const StageCost& cost) { return cost.name == "indirect"; });
+    if (!sumNeeded() && indirect->dispatches == 0)
+        costs.erase(indirect); // nor have bounces that are never kept
     return costs;
 }
 
@@ -736,6 +787,8 @@ void TileLighting::releaseGLObjects(osg::State* state) const
         _sum->releaseGLObjects(state);
     if (_glossPass)
         _glossPass->releaseGLObjects(state);
+    if (_probePass)
+        _probePass->releaseGLObjects(state);
     for (const osg::Texture* texture :
          {static_cast<osg::Texture*>(_glossLight), static_cast<osg::Texture*>(_materialTexture)})
         if (texture)
@@ -769,6 +822,8 @@ void TileLighting::resizeGLObjectBuffers(unsigned size)
         _sum->resizeGLObjectBuffers(size);
     if (_glossPass)
         _glossPass->resizeGLObjectBuffers(size);
+    if (_probePass)
+        _probePass->resizeGLObjectBuffers(size);
     for (osg::Texture* texture :
          {static_cast<osg::Texture*>(_glossLight), static_cast<osg::Texture*>(_materialTexture)})
         if (texture)

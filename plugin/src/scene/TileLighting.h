@@ -18,6 +18,7 @@
 #include "gpu/passes/HeightPyramid.h"
 #include "gpu/passes/HorizonPass.h"
 #include "gpu/passes/LegendreDirectPass.h"
+#include "gpu/passes/ProbePass.h"
 #include "gpu/passes/SkyTablePass.h"
 
 #include <osg/Referenced>
@@ -49,8 +50,9 @@ enum class SkyViewDefinition
 /// horizontal), key (a key light is above the horizontal and not black), pyramid (of heights:
 /// bounces are on), shade, gloss (the ground is glossy, and there is light), bounce (bounces are
 /// on, and there is what they would bounce), indirect (bounces are not computed in every update:
-/// adds those that were). With a BounceMethod other than Slices, horizon, table, sky, sun, key and
-/// gloss do not exist: where there is any light, shade takes it from the pyramid.
+/// adds those that were), probe (there are probes). With a BounceMethod other than Slices, horizon,
+/// table, sky, sun, key and gloss do not exist: where there is any light, shade takes it from the
+/// pyramid.
 class OSGTERRAINLIGHT_EXPORT TileLighting : public osg::Referenced
 {
 public:
@@ -79,6 +81,10 @@ public:
     /// Gloss (0 … 1) and exponent (1 … 64) per post, row 0 south, instead of the settings'; empty:
     /// theirs again.
     void setGloss(Raster<std::array<float, 2>> gloss);
+
+    /// Places where light from all around is computed. Each has maps of its own. Whether that is a
+    /// change.
+    bool setProbes(std::vector<ProbePlace> probes);
 
     /// Replaces all heights: width() x height() values [m above the tile's heightOrigin], row 0
     /// south. What is not finite or beyond 1e6 m is void. tile() keeps those it was made with.
@@ -132,7 +138,10 @@ private:
     ~TileLighting() override = default;
 
     bool skyNeeded() const { return _sky.skyEnabled; }
-    bool tableNeeded() const { return bySlices() && skyNeeded() && skyHasTable(_sky); }
+    bool tableNeeded() const
+    {
+        return (bySlices() || !_probes.empty()) && skyNeeded() && skyHasTable(_sky);
+    }
     bool sunNeeded() const { return needsSun(_sky); }
     bool keyNeeded() const { return keyAzimuths(_sky, _settings) > 0; }
     AreaLights areaLights() const;
@@ -167,6 +176,10 @@ private:
     Status runGloss(osg::State& state);
     Status runPyramid(osg::State& state);
     Status runBounce(osg::State& state);
+    Status runProbe(osg::State& state);
+    /// Towards the left, the centre and the right of the sun's disc.
+    std::array<MapDirection, 3> sunDirections() const;
+    void createAlbedo();
     /// Gloss is computed with the bounces, so that these are then computed in every update.
     bool sumNeeded() const
     {
@@ -182,7 +195,7 @@ private:
 
     mutable PassChain _chain;
     PassChain::Value _heightsValue, _settingsValue, _harmonicsValue, _sunPlaceValue, _keyPlaceValue,
-        _lightValue, _bounceValue;
+        _lightValue, _bounceValue, _probeValue;
     PassChain::Value _shadeOutput;
 
     /// When bounces are computed in a context, where that is not in every update.
@@ -220,6 +233,8 @@ private:
     osg::ref_ptr<osg::Texture2D> _materialTexture;
     osg::ref_ptr<osg::Texture2DArray> _glossLight;
     osg::ref_ptr<GlossPass> _glossPass;
+    std::vector<ProbePlace> _probes;
+    osg::ref_ptr<ProbePass> _probePass;
     osg::ref_ptr<osg::Texture2D> _nothing; ///< one texel, stands for the texture of an absent stage
 };
 

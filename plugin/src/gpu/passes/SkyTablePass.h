@@ -32,6 +32,9 @@ public:
     /// RGBA32F, azimuths × 3 (rows + 1): lights.glsl says what of.
     osg::Texture2D* table() const { return _table; }
 
+    /// RGBA32F, radiance: columns counter-clockwise from east, rows upwards from the horizontal.
+    osg::Texture2D* picture() const { return _sky; }
+
     /// All textures [bytes].
     std::size_t bytes() const;
 
