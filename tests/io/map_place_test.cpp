@@ -40,10 +40,9 @@ std::pair<double, double> onMap(const std::string& definition, double longitude,
 }
 } // namespace
 
-// Snyder, Map Projections, 1987, p. 51 and 55: on the transverse Mercator's sphere tan(convergence)
-// = tan(longitude from the central meridian) sin(latitude); the ellipsoid adds less than 0.002°
-// within the zone (eq. 8-... of its series; the second-order term is e'^2 cos^2 times the angle's
-// cube).
+// Snyder, Map Projections, 1987, section 8: on the sphere tan(convergence) = tan(longitude from the
+// central meridian) sin(latitude). The ellipsoid adds a term of about e'^2 times the cube of that
+// longitude: 1e-6 rad at 3 degrees. The tolerance is for the digits of a measured bearing.
 TEST(MapPlace, ConvergenceOfUtm)
 {
     const struct
