@@ -1,10 +1,12 @@
 // Time of the stages on generated terrain: horizons by quality and size, sun, sky view and shading;
-// of updates in which the sun moves, by the interval between bounces; and of irradiance maps. Wall
+// of updates in which the sun moves, by the interval between bounces; of irradiance
+// maps, and under an environment. Wall
 // clock, ended by glFinish. The rate counts posts times azimuths, or maps.
 #include "core/SyntheticTerrain.h"
 #include "gpu/HeadlessContext.h"
 #include "gpu/passes/EnvironmentHarmonicsPass.h"
 #include "scene/TileLighting.h"
+#include <osgTerrainLight/Environment.h>
 
 #include <benchmark/benchmark.h>
 
@@ -144,6 +146,52 @@ BENCHMARK(irradianceMap)
     ->ArgName("order")
     ->Arg(3)
     ->Arg(6)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+/// TW10, section 9: a height field of so many posts and azimuths under an environment of 256 angles
+/// of elevation, heights and environment anew each time; no sun.
+void environment(benchmark::State& bench)
+{
+    if (!context())
+    {
+        bench.SkipWithError("no OpenGL context");
+        return;
+    }
+    osg::State& state = context()->state();
+    const int size = static_cast<int>(bench.range(0));
+    LightingSettings settings;
+    settings.azimuths = static_cast<int>(bench.range(1));
+    std::vector<Rgb> radiance(256 * 512);
+    for (std::size_t i = 0; i < radiance.size(); ++i)
+        radiance[i].fill(static_cast<float>((i * 7919) % 1000) * 1.0e-3f);
+    std::string problem;
+    SkyLight sky;
+    sky.setEnvironment(createEnvironment(256, 512, std::move(radiance), problem));
+    const osg::ref_ptr<TileLighting> lighting = new TileLighting(
+        generateTerrain(TerrainKind::Fractal, size, size, 30.0, 1).value(), settings, sky);
+    lighting->setTimed(true);
+    const auto compute = [&]
+    {
+        lighting->recompute();
+        return lighting->update(state).ok();
+    };
+    if (!compute()) // compiles the shaders
+    {
+        bench.SkipWithError("the light cannot be computed");
+        return;
+    }
+    for (auto _ : bench)
+        benchmark::DoNotOptimize(compute());
+    for (const StageCost& cost : lighting->costs())
+        bench.counters[cost.name + "_ms"] = cost.milliseconds;
+    bench.counters["rate"] =
+        benchmark::Counter(static_cast<double>(bench.iterations()), benchmark::Counter::kIsRate);
+}
+BENCHMARK(environment)
+    ->ArgNames({"size", "azimuths"})
+    ->Args({1024, 64})
+    ->Args({512, 32})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
