@@ -98,6 +98,9 @@ struct Scene
     std::function<DemTile()> tile;
     bool shared;
     std::string name;
+    double heading = 0.0;
+    double gain = 1.0;
+    int bounces = 0;
 };
 
 std::ostream& operator<<(std::ostream& out, const Scene& scene)
@@ -123,16 +126,29 @@ TEST_P(EnvironmentAccuracy, AgainstThePathTracer)
     const EnvironmentPicture picture = pictureOf(scene.panorama);
     reference::SceneDescription description;
     description.tile = tile;
+    description.albedo = {0.5f, 0.5f, 0.5f};
     const auto tracer = reference::PathTracer::build(description);
     ASSERT_TRUE(tracer.ok());
     reference::Illumination illumination;
     illumination.light.sunEnabled = false;
-    illumination.environment = [&](const reference::Vector3& d) { return radianceOf(picture, d); };
+    // What was at azimuth A of the picture is at A + heading, clockwise. By whole texels, as those
+    // of the table of importance have one radiance each.
+    const double turn = scene.heading * pi / 180.0;
+    illumination.environment = [&](const reference::Vector3& d)
+    {
+        reference::LinearRgb found =
+            radianceOf(picture, {d[0] * std::cos(turn) - d[1] * std::sin(turn),
+                                 d[0] * std::sin(turn) + d[1] * std::cos(turn), d[2]});
+        for (double& channel : found)
+            channel *= scene.gain;
+        return found;
+    };
     illumination.importance =
         reference::importanceOf(illumination.environment, picture.columns, picture.rows);
     const auto receivers = randomReceivers(tile, 100);
     reference::PathTracerOptions options;
     options.samples = 1 << 15;
+    options.bounces = scene.bounces;
     const auto truth = tracer->trace(illumination, receivers, options);
     ASSERT_TRUE(truth.ok()) << truth.error().message;
 
@@ -140,11 +156,13 @@ TEST_P(EnvironmentAccuracy, AgainstThePathTracer)
         for (const int azimuths : {16, 32, 64})
         {
             SkyLight sky;
-            sky.setEnvironment(isSplit ? environmentOf(picture) : withoutSplit(picture));
+            sky.setEnvironment(isSplit ? environmentOf(picture) : withoutSplit(picture),
+                               scene.heading, scene.gain);
             if (!isSplit && !environmentOf(picture)->hasSun)
                 continue;
             LightingSettings settings;
             settings.azimuths = azimuths;
+            settings.bounces = scene.bounces;
             const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky);
             const Status done = lighting->update(context->state());
             ASSERT_TRUE(done.ok()) << done.error().message;
@@ -177,15 +195,21 @@ TEST_P(EnvironmentAccuracy, AgainstThePathTracer)
         }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, EnvironmentAccuracy,
-                         testing::Values(Scene{"sunrise", fractal, false, "FractalSunrise"},
-                                         Scene{"city", fractal, false, "FractalCity"},
-                                         Scene{"courtyard", fractal, false, "FractalCourtyard"},
-                                         Scene{"sunset", fractal, false, "FractalSunset"},
-                                         Scene{"forest", fractal, false, "FractalForest"},
-                                         Scene{"sunrise", halfDome, true, "HalfDomeSunrise"},
-                                         Scene{"city", halfDome, true, "HalfDomeCity"}),
-                         [](const auto& each) { return each.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, EnvironmentAccuracy,
+    testing::Values(Scene{"sunrise", fractal, false, "FractalSunrise"},
+                    Scene{"city", fractal, false, "FractalCity"},
+                    Scene{"courtyard", fractal, false, "FractalCourtyard"},
+                    Scene{"sunset", fractal, false, "FractalSunset"},
+                    Scene{"forest", fractal, false, "FractalForest"},
+                    Scene{"sunrise", fractal, false, "FractalSunriseTurned", 112.5, 0.5},
+                    Scene{"sunrise", fractal, false, "FractalSunriseBounces", 0.0, 1.0, 2},
+                    Scene{"courtyard", fractal, false, "FractalCourtyardBounces", 0.0, 1.0, 2},
+                    Scene{"night", fractal, false, "FractalNight"},
+                    Scene{"interior", fractal, false, "FractalInterior"},
+                    Scene{"sunrise", halfDome, true, "HalfDomeSunrise"},
+                    Scene{"city", halfDome, true, "HalfDomeCity"}),
+    [](const auto& each) { return each.param.name; });
 
 namespace
 {
