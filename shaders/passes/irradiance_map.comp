@@ -34,7 +34,7 @@ void main()
     if (texel.x >= size.x || texel.y >= size.y)
         return;
     vec2 place = (2.0 * vec2(texel.xy) + 1.0) / vec2(size) - 1.0;
-    ShTerms terms = shTerms(normalize(cubeDirection(texel.z, place.x, place.y)), ORDER);
+    ShTerms terms = shTerms(normalize(cubeDirection(texel.z, place.x, place.y)));
     vec3 sum = vec3(0.0);
     for (int l = 0; l < ORDER; ++l)
         for (int i = l * l; i < (l + 1) * (l + 1); ++i)

@@ -67,11 +67,11 @@ Status EnvironmentHarmonicsPass::dispatch(osg::State& state, osg::TextureCubeMap
                                              " texels: needs 4 ... 8192"};
     _cube->reads("environment", map);
     _cube->set("parts", partsOf(size));
-    // Rounds of 64 texels, few per group: what is left to add is then short. No more than 400, as
-    // software OpenGL ends a shader's loops after 65535 turns in all.
-    const int rounds = (6 * size * size + 63) / 64;
-    return project(state, *_cube,
-                   std::max({std::min(rounds, 16), std::min(rounds / 4, 512), rounds / 400}), gain);
+    // Rounds of 32 texels, few per group. No more than 256 of them, as software OpenGL ends a
+    // shader's loops after 65535 turns in all.
+    const int rounds = (6 * size * size + 31) / 32;
+    const int groups = std::max({std::min(rounds, 16), std::min(rounds / 8, 512), rounds / 256});
+    return project(state, *_cube, groups, gain);
 }
 
 Status EnvironmentHarmonicsPass::project(osg::State& state, GpuPass& pass, int groups, double gain)
