@@ -332,3 +332,33 @@ TEST(LightProbe, SunBehindAWall)
     }
     lighting->releaseGLObjects(&state);
 }
+
+// Expected: the same light, however the ground's is computed: on a plain a sky in harmonics of band
+// 0 is the uniform one. Bound: as OnAPlain.
+TEST(LightProbe, WithTheOtherBounceMethods)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    LightingSettings settings;
+    settings.azimuths = 16;
+    settings.albedo = {0.5f, 0.5f, 0.5f};
+    settings.bounceMethod = BounceMethod::Legendre;
+    SkyLight sky = uniformSky();
+    sky.skyHarmonics = {{3.5449077f, 3.5449077f, 3.5449077f}};
+    const osg::ref_ptr<TileLighting> lighting =
+        new TileLighting(analytic::plane(65, 65, 10.0, 0.0), settings, sky);
+    const ProbePlace place = probeAt(32.0, 32.0, 1.0);
+    lighting->setProbes({place});
+    const Status done = lighting->update(state);
+    ASSERT_TRUE(done.ok()) << done.error().message;
+    EXPECT_EQ(takeGlErrors(), "");
+    forEachTexel(state, *place.diffuse,
+                 [&](const std::array<double, 3>& n, const float* rgba)
+                 {
+                     if (n[2] > 0.0) // what the scheme's order leaves of the ground's is its own
+                     {
+                         EXPECT_NEAR(double(rgba[0]), 0.75 + 0.25 * n[2], 0.02);
+                     }
+                 });
+    lighting->releaseGLObjects(&state);
+}

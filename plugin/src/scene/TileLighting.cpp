@@ -187,7 +187,13 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
                      {_shadeOutput, bounce, indirect, table, _probeValue},
                      [this] { return !_probes.empty(); },
                      [this](osg::State& state) { return runProbe(state); },
-                     [this] { return _probePass ? _probePass->bytes() : 0; },
+                     [this]
+                     {
+                         // The albedo is the bounces' where there are some.
+                         return (_probePass ? _probePass->bytes() : 0) +
+                                (_albedoTexture && !bounceNeeded() ? textureBytes(*_albedoTexture)
+                                                                   : 0);
+                     },
                      [this] { _probePass = nullptr; }});
     followGloss();
 }
