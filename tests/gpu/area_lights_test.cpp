@@ -339,8 +339,8 @@ TEST(SkyModelPass, IsTheModelInDouble)
     for (const SkyLight& sky : skies)
     {
         ASSERT_TRUE(pass->dispatch(context->state(), sky).ok());
-        const std::vector<float> texels = readFloats(context->state(), *pass->sky(), 4);
-        const int columns = pass->sky()->getTextureWidth();
+        const std::vector<float> texels = readFloats(context->state(), *pass->picture(), 4);
+        const int columns = pass->picture()->getTextureWidth();
         const auto model = clearSky(sky);
         double brightest = 0.0, difference = 0.0;
         for (int row = 0; row < 32; ++row)

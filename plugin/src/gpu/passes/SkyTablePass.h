@@ -25,10 +25,6 @@ public:
     /// The table of a sky of whichever kind; of a uniform one, too.
     Status dispatch(osg::State& state, const SkyLight& sky);
 
-    /// RGBA32F, radiance of the sky, as it was summed: columns counter-clockwise from east, rows
-    /// upwards from the horizontal to the zenith, both of equal angles.
-    osg::Texture2D* sky() const { return _sky; }
-
     /// RGBA32F, azimuths × 3 (rows + 1): lights.glsl says what of.
     osg::Texture2D* table() const { return _table; }
 
