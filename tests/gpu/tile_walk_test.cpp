@@ -163,7 +163,7 @@ private:
         case 6:
             sky.environment = below(3) ? panoramas()[std::size_t(below(2))] : nullptr;
             sky.environmentHeading = 100.0 * below(3);
-            sky.environmentGain = 0.5 + unit();
+            sky.environmentGain = 0.5 + 0.5 * below(3);
             break;
         default:
             sky.keyLights.assign(std::size_t(below(3)), KeyLight());

@@ -53,7 +53,9 @@ TEST(Bounces, MakeNoLightOnHostileGround)
                 const float light = shading.values()[i].g();
                 ASSERT_TRUE(std::isfinite(light)) << name << ' ' << subsampling << ' ' << i;
                 if (!tile.validity()[i])
+                {
                     EXPECT_EQ(light, 0.0f) << name << ' ' << subsampling << ' ' << i;
+                }
                 most = std::max(most, light);
             }
             std::cout << name << ", every post of " << subsampling << ": at most " << most << '\n';
