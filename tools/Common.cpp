@@ -482,7 +482,7 @@ void addSky(CLI::App& app, SkyLight& sky, std::string& file)
                [&sky](const auto& v) { sky.environmentGain = v[0]; });
 }
 
-Status readSky(const CLI::App& app, SkyLight& sky, const std::string& file)
+Status readSky(const CLI::App& app, SkyLight& sky, const std::string& file, bool mapMayHaveSky)
 {
     const auto given = [&app](const char* option)
     {
@@ -491,24 +491,26 @@ Status readSky(const CLI::App& app, SkyLight& sky, const std::string& file)
     };
     if (!sky.skyHarmonics.empty() && given("--sky"))
         throw CLI::ValidationError("--sky-harmonics", "is a sky: leave out --sky");
-    if (given("--turbidity") && sky.skyModel != SkyModel::Clear)
+    const bool ofMap = mapMayHaveSky && !given("--sky");
+    if (!ofMap && given("--turbidity") && sky.skyModel != SkyModel::Clear)
         throw CLI::ValidationError("--turbidity", "needs --sky clear");
     if (given("--sky-radiance") &&
         (!file.empty() || sky.skyModel == SkyModel::Clear || !sky.skyHarmonics.empty()))
         throw CLI::ValidationError(
-            "--sky-radiance", "needs a uniform or an overcast sky: other skies have their own");
+            "--sky-radiance", "needs a uniform or an overcast sky: neither --sky clear, a file nor "
+                              "--sky-harmonics");
     if (file.empty())
     {
         for (const char* option : {"--sky-heading", "--sky-gain"})
-            if (given(option))
+            if (!ofMap && given(option))
                 throw CLI::ValidationError(option, "needs --sky FILE");
         return Nothing{};
     }
     for (const char* option : {"--sun", "--sun-radius", "--sun-irradiance", "--time"})
         if (given(option))
             throw CLI::ValidationError(
-                option, "the sun is the one in " + file +
-                            ": --sky-heading turns it, --sky-gain changes its strength");
+                option, file + " has its own sun, or none: --sky-heading turns it, --sky-gain "
+                               "changes its strength");
     std::string problem;
     const std::shared_ptr<const Environment> environment = readEnvironment(file, problem);
     if (!environment)
@@ -793,6 +795,18 @@ RasterWriteOptions writeOptions(const OutputOptions& output, const Metadata& met
     return options;
 }
 
+/// Terrain sinks along a parabola, which is no sphere where the tile is a part of it.
+static Status checkPlanet(const LightingSettings& settings, const DemInfo& info)
+{
+    const double extent =
+        std::hypot(info.eastSpacing * info.window.width, info.northSpacing * info.window.height);
+    if (settings.bodyRadius == 0.0 || settings.bodyRadius >= 10.0 * extent)
+        return Nothing{};
+    return Error{ErrorCode::Invalid, "--body-radius " + text(settings.bodyRadius) +
+                                         ": the tile is " + text(std::round(extent)) +
+                                         " m across: needs at least ten times that"};
+}
+
 Status readTile(const RasterOptions& options, int bands, LitTile& lit, std::size_t& headNotes,
                 Progress& progress)
 {
@@ -803,6 +817,8 @@ Status readTile(const RasterOptions& options, int bands, LitTile& lit, std::size
         return info.error();
     if (Status writable = checkOutput(options.output, bands); !writable)
         return writable;
+    if (Status planet = checkPlanet(options.settings, *info); !planet)
+        return Error{planet.error().code, path + ": " + planet.error().message};
     for (const std::string& note : info->notes)
         warn(path + ": " + note);
     headNotes = info->notes.size();

@@ -87,7 +87,9 @@ void addSunRadius(CLI::App& app, SkyLight& sky);
 void addSky(CLI::App& app, SkyLight& sky, std::string& file);
 /// Reads the sky's file, where there is one, and takes its sun, unless --no-sun or --light said to
 /// leave it out. Throws CLI::ValidationError where options contradict each other.
-Status readSky(const CLI::App& app, SkyLight& sky, const std::string& file);
+/// mapMayHaveSky: what is asked of without --sky may be the scene's own.
+Status readSky(const CLI::App& app, SkyLight& sky, const std::string& file,
+               bool mapMayHaveSky = false);
 /// --body-radius.
 void addBodyRadius(CLI::App& app, LightingSettings& settings);
 

@@ -83,6 +83,11 @@ std::string readerOptions(const CLI::App& app, const Options& options)
     add("--sun", "sun_elevation", text(options.sky.sunElevation));
     add("--sky", "sky", options.sky.skyEnabled ? toString(options.sky.skyModel) : "none");
     add("--turbidity", "turbidity", text(options.sky.turbidity));
+    if (options.skyFile.empty())
+    {
+        add("--sky-heading", "sky_heading", text(options.sky.environmentHeading));
+        add("--sky-gain", "sky_gain", text(options.sky.environmentGain));
+    }
     add("--body-radius", "body_radius", text(options.settings.bodyRadius));
     if (options.sun.time)
         add("--time", "time", toString(*options.sun.time));
@@ -263,7 +268,7 @@ public:
 
 Status run(const CLI::App& app, Options options)
 {
-    if (Status read = readSky(app, options.sky, options.skyFile); !read)
+    if (Status read = readSky(app, options.sky, options.skyFile, true); !read)
         return read;
     refuseSameFile(options.scene, options.output.path);
     if (Status writable = checkOutput(options.output, 0); !writable)

@@ -133,7 +133,7 @@ Metadata metadataOf(const Options& options, const LitTile& lit)
         add(metadata, "ALBEDO",
             options.albedoFile.empty() ? text(options.settings.albedo) : options.albedoFile);
     add(metadata, "SUN", options.sky.sunEnabled ? "yes" : "no");
-    if (options.sky.sunEnabled)
+    if (sky.sunEnabled || (sky.skyEnabled && sky.skyModel == SkyModel::Clear))
     {
         metadata.insert(metadata.end(), options.sunMetadata.begin(), options.sunMetadata.end());
         addSun(metadata, options.sky);
@@ -158,7 +158,9 @@ Status run(const CLI::App& app, Options options)
         throw CLI::ValidationError(options.maxError ? "--max-error" : "--max-ms",
                                    "chooses settings for a uniform sky and a sun: needs neither "
                                    "another sky nor --key-light");
-    if (!options.sky.sunEnabled && options.sun.time)
+    // A sun that is off still makes a clear sky.
+    const bool clear = options.sky.skyEnabled && options.sky.skyModel == SkyModel::Clear;
+    if (!options.sky.sunEnabled && !clear && options.sun.time)
         throw CLI::ValidationError("--time", "needs a sun: leave out --no-sun");
     if (Status placed = setSun(options.sky, options, options.sun, options.sunMetadata); !placed)
         return placed;

@@ -18,7 +18,7 @@ void main()
         return;
     ivec2 from = textureSize(environment, 0);
     // In texels of the environment; it is turned by so many that a sky's columns begin elsewhere.
-    float turn = heading / (2.0 * PI) * float(from.x);
+    float turn = (heading / (2.0 * PI) + 1.0) * float(from.x); // never negative: % wants none
     float left = float(texel.x) / float(size.x) * float(from.x) + turn;
     float right = float(texel.x + 1) / float(size.x) * float(from.x) + turn;
     float low = (0.5 + 0.5 * float(texel.y) / float(size.y)) * float(from.y);
@@ -36,7 +36,7 @@ void main()
         for (int column = int(floor(left)); column < int(ceil(right)); ++column)
         {
             float part = min(float(column + 1), right) - max(float(column), left);
-            int wrapped = (column % from.x + from.x) % from.x;
+            int wrapped = column % from.x;
             across += part * texelFetch(environment, ivec2(wrapped, row), 0).rgb;
         }
         sum += band * across;

@@ -150,7 +150,7 @@ BENCHMARK(irradianceMap)
     ->UseRealTime();
 
 /// TW10, section 9: a height field of so many posts and azimuths under an environment of 256 angles
-/// of elevation, heights and environment anew each time; no sun.
+/// of elevation (our tables keep 128), heights and environment anew each time; no sun.
 void environment(benchmark::State& bench)
 {
     if (!context())

@@ -54,7 +54,8 @@ TEST(BodyRadius, DistantRidgeStandsLower)
             const double middle = 0.5 * (side - 1) * spacing;
             const double from = column * spacing - middle, to = ridge * spacing - middle;
             const double sink = radius > 0.0 ? (to * to - from * from) / (2.0 * radius) : 0.0;
-            // West of the middle the ground itself rises towards it, most from one post to the next.
+            // West of the middle the ground itself rises towards it, most from one post to the
+            // next.
             const double ground = radius > 0.0 ? -(2.0 * from + spacing) / (2.0 * radius) : 0.0;
             const double expected =
                 std::atan(std::max((crest - sink) / (to - from), ground)) * degreesPerRadian;

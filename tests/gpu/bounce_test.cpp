@@ -95,9 +95,10 @@ struct Accuracy
     std::function<DemTile()> tile;
     bool shared;
     bool sun;
-    /// Allowed relative root mean square of the sum of three bounces, by the default settings and
-    /// by quality best with 64 azimuths.
+    /// Allowed relative root mean square of the sum of three bounces, by the default settings, by
+    /// quality best with 64 azimuths, and by the default with subsampling 2.
     double normal, best;
+    double thin = 0.02;
 };
 
 std::ostream& operator<<(std::ostream& out, const Accuracy& accuracy)
@@ -147,7 +148,7 @@ TEST_P(BounceAccuracy, AgainstThePathTracer)
         double bound;
     };
     Run normal = {"default", {}, accuracy.normal};
-    Run thin = {"default, subsampling 2", {}, accuracy.normal};
+    Run thin = {"default, subsampling 2", {}, accuracy.thin};
     thin.settings.subsampling = 2;
     Run best = {"best x 64", {}, accuracy.best};
     best.settings.quality = HorizonQuality::Best;
@@ -209,10 +210,10 @@ INSTANTIATE_TEST_SUITE_P(
                  false, 0.02, 0.007},
         Accuracy{"FractalInTheSun",
                  [] { return *generateTerrain(TerrainKind::Fractal, 128, 128, 30.0, 1); }, false,
-                 true, 0.02, 0.014},
+                 true, 0.02, 0.014, 0.033},
         Accuracy{"CliffsUnderTheSky",
                  [] { return *generateTerrain(TerrainKind::Cliffs, 128, 128, 30.0, 1); }, false,
-                 false, 0.07, 0.07},
+                 false, 0.07, 0.07, 0.075},
         Accuracy{"HalfDomeUnderTheSky", [] { return partOf("halfdome_1s.tif", 160); }, true, false,
                  0.02, 0.007},
         Accuracy{"HalfDomeInTheSun", [] { return partOf("halfdome_1s.tif", 160); }, true, true,

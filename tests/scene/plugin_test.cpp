@@ -1,5 +1,8 @@
+#include <osgTerrainLight/Environment.h>
+#include <osgTerrainLight/SunPosition.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
+#include "io/ExrFile.h"
 #include "support/ScenePicture.h"
 
 #include <osg/ApplicationUsage>
@@ -103,6 +106,67 @@ TEST(Plugin, TakesOptions)
     EXPECT_EQ(lighting->getSkyLight().skyHarmonics[2], (Rgb{0.5f, 0.5f, 0.5f}));
     auto off = read(dem + ".terrainlight", "light=off");
     EXPECT_FALSE(lightingOf(off)->getLightEnabled());
+}
+
+TEST(Plugin, TakesSkies)
+{
+    const Folder folder;
+    ExrImage panorama;
+    panorama.width = 16;
+    panorama.height = 8;
+    for (const char* name : {"R", "G", "B"})
+        panorama.channels.push_back({name, std::vector<float>(128, 0.5f)});
+    const std::string file = (folder.path / "sky.exr").string();
+    ASSERT_TRUE(writeExr(file, panorama).ok());
+
+    auto clear = read(dem + ".terrainlight", "sky=clear turbidity=4 body_radius=6371000");
+    TerrainLighting* lighting = lightingOf(clear);
+    ASSERT_TRUE(lighting) << clear.message();
+    EXPECT_EQ(lighting->getSkyLight().skyModel, SkyModel::Clear);
+    EXPECT_EQ(lighting->getSkyLight().turbidity, 4.0);
+    EXPECT_EQ(lighting->getSettings().bodyRadius, 6371000.0);
+    // The later one holds, and none is hard light: nothing of a clear sky is left.
+    auto none = read(dem + ".terrainlight", "sky_harmonics=1 sky=clear sky=none");
+    EXPECT_FALSE(lightingOf(none)->getSkyLight().skyEnabled);
+    EXPECT_EQ(lightingOf(none)->getSkyLight().skyModel, SkyModel::Uniform);
+    EXPECT_TRUE(lightingOf(none)->getSkyLight().skyHarmonics.empty());
+
+    // Of a map: from its own folder.
+    const std::string map = (folder.path / "map.earth").string();
+    const auto write = [&](const std::string& keys)
+    {
+        std::ofstream(map) << "<map><elevation driver=\"gdal\"><url>" << fs::absolute(dem).string()
+                           << "</url></elevation><terrain_light " << keys << "/></map>\n";
+        return read(map + ".terrainlight");
+    };
+    auto lit = write("sky=\"sky.exr\" sky_heading=\"90\" sky_gain=\"2\"");
+    lighting = lightingOf(lit);
+    ASSERT_TRUE(lighting) << lit.message();
+    ASSERT_TRUE(lighting->getSkyLight().environment);
+    EXPECT_EQ(lighting->getSkyLight().environmentHeading, 90.0);
+    EXPECT_EQ(lighting->getSkyLight().environmentGain, 2.0);
+    EXPECT_FALSE(lighting->getSkyLight().sunEnabled);
+    // A time has no sun to move, and says so.
+    lighting->setTime(UtcTime());
+    EXPECT_FALSE(lighting->getTime());
+    auto timed = write("sky=\"sky.exr\" time=\"2024-06-20T12:00Z\"");
+    EXPECT_FALSE(timed.validNode());
+    EXPECT_NE(timed.message().find("sky.exr"), std::string::npos) << timed.message();
+    // Through a file and back.
+    const std::string saved = (folder.path / "scene.osgt").string();
+    ASSERT_TRUE(osgDB::writeNodeFile(*lighting, saved));
+    osg::ref_ptr<osg::Node> node = osgDB::readRefNodeFile(saved);
+    const auto* again = dynamic_cast<TerrainLighting*>(node.get());
+    ASSERT_TRUE(again);
+    ASSERT_TRUE(again->getSkyLight().environment);
+    EXPECT_EQ(again->getSkyLight().environmentHeading, 90.0);
+    EXPECT_EQ(again->getSkyLight().environmentGain, 2.0);
+    // One that is missing is left out, and the rest is drawn.
+    auto missing = write("sky=\"nowhere.exr\"");
+    lighting = lightingOf(missing);
+    ASSERT_TRUE(lighting) << missing.message();
+    EXPECT_FALSE(lighting->getSkyLight().environment);
+    EXPECT_EQ(lighting->getNumChildren(), 1u);
 }
 
 TEST(Plugin, RefusesOptionsByName)

@@ -716,6 +716,8 @@ TEST(TerrainLighting, GoesThroughAFileAndBack)
     sky.skyEnabled = false;
     sky.sunIrradiance = {1.0f, 2.0f, 3.0f};
     sky.skyHarmonics = {{1.0f, 2.0f, 3.0f}, {-0.5f, 0.0f, 0.25f}, {0.1f, 0.2f, 0.3f}, {}};
+    sky.skyModel = SkyModel::Clear;
+    sky.turbidity = 4.5;
     sky.keyLights.resize(2);
     sky.keyLights[1].azimuth = -33.5;
     sky.keyLights[1].radiance = {0.5f, 4.0f, 0.0f};
@@ -725,6 +727,7 @@ TEST(TerrainLighting, GoesThroughAFileAndBack)
     settings.quality = HorizonQuality::Best;
     settings.exposure = -1.5;
     settings.bounceInterval = 7;
+    settings.bodyRadius = 1737400.0;
     settings.gloss = 0.25;
     settings.glossExponent = 12.0;
     settings.glossTransfer = GlossTransfer::Scalar;
@@ -756,6 +759,9 @@ TEST(TerrainLighting, GoesThroughAFileAndBack)
         EXPECT_EQ(read->getSkyLight().keyLights[1].radiance, sky.keyLights[1].radiance);
         EXPECT_EQ(read->getSettings().azimuths, 64);
         EXPECT_EQ(read->getSettings().bounceInterval, 7);
+        EXPECT_EQ(read->getSettings().bodyRadius, 1737400.0);
+        EXPECT_EQ(read->getSkyLight().skyModel, SkyModel::Clear);
+        EXPECT_EQ(read->getSkyLight().turbidity, 4.5);
         EXPECT_EQ(read->getSettings().quality, HorizonQuality::Best);
         EXPECT_EQ(read->getSettings().exposure, -1.5);
         EXPECT_FALSE(read->getLightEnabled());

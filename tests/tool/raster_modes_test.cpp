@@ -208,6 +208,49 @@ TEST_F(RasterModes, ShadeOfAPlainIsTheClosedForm)
     expect(shade("--sun 100,-30"), {0.25, 0.5, 1.0, 0.0});
 }
 
+// A plain gets L from an environment of radiance L, and 7/9 of an overcast sky's zenith (Moon and
+// Spencer 1942). A clear sky is brighter than none, and dark at night.
+TEST_F(RasterModes, ShadeOfAPlainUnderOtherSkies)
+{
+    writeRaster("plain.tif", 20, 10, std::vector<float>(200, 7.0f), {0, 10, 0, 0, 0, -10});
+    ExrImage panorama;
+    panorama.width = 16;
+    panorama.height = 8;
+    panorama.channels = {{"R", std::vector<float>(128, 0.25f)},
+                         {"G", std::vector<float>(128, 0.5f)},
+                         {"B", std::vector<float>(128, 1.0f)}};
+    ASSERT_TRUE(writeExr(path("even sky.exr"), panorama).ok());
+    const auto shade = [&](const std::string& options)
+    {
+        const ToolRun result = run("shade plain.tif s.tif -q --azimuths 32 " + options);
+        EXPECT_EQ(result.status, 0) << result.err;
+        return ReadRaster(path("s.tif"));
+    };
+    const auto expect = [](const ReadRaster& found, const std::vector<double>& expected)
+    {
+        for (int band = 1; band <= 3; ++band)
+            EXPECT_NEAR(static_cast<double>(found.at(band, 9, 4)) / expected[std::size_t(band - 1)],
+                        1.0, 2e-3)
+                << band;
+    };
+    const ReadRaster even = shade("--sky 'even sky.exr' --sky-heading 33");
+    expect(even, {0.25, 0.5, 1.0});
+    EXPECT_EQ(even.metadata("TERRAINLIGHT_SKY"), "even sky.exr");
+    EXPECT_EQ(even.metadata("TERRAINLIGHT_SUN"), "no");
+    expect(shade("--sky 'even sky.exr' --sky-gain 3 --bounces 1"), {0.75, 1.5, 3.0});
+    expect(shade("--sky overcast --no-sun --sky-radiance 0.9,1.8,2.7"), {0.7, 1.4, 2.1});
+    const ReadRaster clear = shade("--sky clear --turbidity 4 --sun 100,40 --no-sun");
+    EXPECT_EQ(clear.metadata("TERRAINLIGHT_TURBIDITY"), "4");
+    EXPECT_EQ(clear.metadata("TERRAINLIGHT_SUN_ELEVATION"), "40");
+    EXPECT_GT(clear.at(3, 9, 4), 0.05f);
+    EXPECT_GT(clear.at(3, 9, 4), clear.at(1, 9, 4)); // blue
+    EXPECT_LT(shade("--sky clear --sun 100,-30").at(2, 9, 4), 1e-4f);
+    EXPECT_EQ(run("shade plain.tif t.tif -q --body-radius 1000").status, 1);
+    EXPECT_EQ(shade("--body-radius 1737400 --sky none").metadata("TERRAINLIGHT_BODY_RADIUS"),
+              "1737400");
+    EXPECT_EQ(left(), (std::set<std::string>{"even sky.exr", "plain.tif", "s.tif"}));
+}
+
 TEST_F(RasterModes, ShadeMetadataAndCreationOptions)
 {
     const ToolRun result = run("shade " + jacksboro +

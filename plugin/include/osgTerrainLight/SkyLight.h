@@ -91,7 +91,8 @@ struct OSGTERRAINLIGHT_EXPORT SkyLight
     void setSunAt(UtcTime time, const EarthPlace& place);
 
     /// Sky and sun of an environment, turned and multiplied: the sun is the one that was found in
-    /// it, and off where there was none.
+    /// it, and off where there was none, or where `from` is null. Heading and gain that are set
+    /// later without this function move the sky and leave the sun.
     void setEnvironment(std::shared_ptr<const Environment> from, double heading = 0.0,
                         double gain = 1.0);
 };

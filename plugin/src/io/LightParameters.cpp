@@ -156,6 +156,8 @@ Status setHarmonics(SkyLight& sky, const std::string& name, const std::string& t
         for (std::size_t c = 0; c < 3; ++c)
             harmonics[i][c] = static_cast<float>(values[channels * i + (channels == 3 ? c : 0)]);
     sky.skyHarmonics = harmonics;
+    if (!harmonics.empty())
+        sky.skyModel = SkyModel::Uniform;
     return Nothing{};
 }
 
@@ -231,13 +233,21 @@ Status setLightParameter(LightParameters& parameters, const std::string& name,
     {
         if (value.empty())
             return refused(name, value, "uniform, overcast, clear, none or a file");
+        // It takes the place of whatever sky was set before.
         parameters.sky.skyEnabled = value != "none";
+        parameters.sky.skyModel = SkyModel::Uniform;
+        parameters.sky.skyHarmonics.clear();
         const bool model = value == "none" || fromString(value, parameters.sky.skyModel);
         parameters.skyFile = model ? "" : value;
         return Nothing{};
     }
     if (name == "sky_harmonics")
-        return setHarmonics(parameters.sky, name, value);
+    {
+        const Status set = setHarmonics(parameters.sky, name, value);
+        if (set && !parameters.sky.skyHarmonics.empty())
+            parameters.skyFile.clear();
+        return set;
+    }
     if (name == "key_lights")
         return setKeyLights(parameters.sky, name, value);
     if (name == "time")

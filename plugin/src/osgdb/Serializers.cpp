@@ -1,6 +1,7 @@
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include <osgTerrainLight/Environment.h>
+#include <osgTerrainLight/SunPosition.h>
 
 #include <osg/Notify>
 #include <osgDB/InputStream>
@@ -78,6 +79,8 @@ static bool readSkyModel(osgDB::InputStream& is, osgTerrainLight::TerrainLightin
 static bool writeSkyModel(osgDB::OutputStream& os, const osgTerrainLight::TerrainLighting& node)
 {
     const osgTerrainLight::SkyLight& sky = node.getSkyLight();
+    if (sky.environment && sky.environment->name.empty())
+        OSG_WARN << "osgTerrainLight: a sky that is of no file is not saved" << std::endl;
     os << os.BEGIN_BRACKET << std::endl;
     os << os.PROPERTY("Model");
     os.writeWrappedString(toString(sky.skyModel));
@@ -120,6 +123,41 @@ static bool writeSkyHarmonics(osgDB::OutputStream& os, const osgTerrainLight::Te
             os << channel;
         os << std::endl;
     }
+    os << os.END_BRACKET << std::endl;
+    return true;
+}
+
+// Place, and time where the sun stands by it.
+static bool checkPlace(const osgTerrainLight::TerrainLighting& node)
+{
+    return node.getPlace().has_value();
+}
+
+static bool readPlace(osgDB::InputStream& is, osgTerrainLight::TerrainLighting& node)
+{
+    osgTerrainLight::EarthPlace place;
+    std::string time;
+    is >> is.BEGIN_BRACKET >> place.longitude >> place.latitude >> place.convergence;
+    is.readWrappedString(time);
+    is >> is.END_BRACKET;
+    node.setPlace(place);
+    osgTerrainLight::UtcTime utc;
+    if (time.empty())
+        return true;
+    const std::string problem = osgTerrainLight::readUtcTime(time, utc);
+    if (problem.empty())
+        node.setTime(utc);
+    else
+        OSG_WARN << "osgTerrainLight: time read from file: " << problem << std::endl;
+    return true;
+}
+
+static bool writePlace(osgDB::OutputStream& os, const osgTerrainLight::TerrainLighting& node)
+{
+    const osgTerrainLight::EarthPlace& place = *node.getPlace();
+    os << os.BEGIN_BRACKET << place.longitude << place.latitude << place.convergence;
+    os.writeWrappedString(node.getTime() ? osgTerrainLight::toString(*node.getTime())
+                                         : std::string());
     os << os.END_BRACKET << std::endl;
     return true;
 }
@@ -239,6 +277,7 @@ REGISTER_OBJECT_WRAPPER(osgTerrainLight_TerrainLighting, new osgTerrainLight::Te
     ADD_USER_SERIALIZER(SkyHarmonics);
     ADD_USER_SERIALIZER(KeyLights);
     ADD_USER_SERIALIZER(SkyModel);
+    ADD_USER_SERIALIZER(Place);
     ADD_BOOL_SERIALIZER(LightEnabled, true);
     ADD_DOUBLE_SERIALIZER(TimeBudget, 50.0);
     ADD_UINT_SERIALIZER(TextureUnit, osgTerrainLight::ShadingTexture::defaultUnit);

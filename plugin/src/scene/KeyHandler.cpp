@@ -1,5 +1,7 @@
 #include "scene/KeyHandler.h"
 
+#include <osgTerrainLight/Environment.h>
+
 #include <osg/ApplicationUsage>
 #include <osgGA/GUIActionAdapter>
 
@@ -55,15 +57,39 @@ std::string said(const TerrainLighting& lighting, double speed)
     return text.str();
 }
 
-/// Both, sky only, sun only, and again.
+/// Both, sky only, sun only, and again. An environment without a sun has none to show.
 void nextTerm(SkyLight& sky)
 {
+    if (sky.environment && !sky.environment->hasSun)
+    {
+        sky.skyEnabled = !sky.skyEnabled;
+        return;
+    }
     if (sky.skyEnabled && sky.sunEnabled)
         sky.sunEnabled = false;
     else if (sky.skyEnabled)
         std::swap(sky.skyEnabled, sky.sunEnabled);
     else
         sky.skyEnabled = sky.sunEnabled = true;
+}
+
+/// An environment turns with its sun.
+void turnSun(SkyLight& sky, double degrees)
+{
+    const bool enabled = sky.sunEnabled;
+    if (sky.environment)
+        sky.setEnvironment(sky.environment, std::fmod(sky.environmentHeading + degrees, 360.0),
+                           sky.environmentGain);
+    else
+        sky.sunAzimuth = std::fmod(sky.sunAzimuth + 360.0 + degrees, 360.0);
+    sky.sunEnabled = enabled;
+}
+
+/// The sun of an environment stays where it is in the picture.
+void raiseSun(SkyLight& sky, double degrees)
+{
+    if (!sky.environment)
+        sky.sunElevation = std::clamp(sky.sunElevation + degrees, -90.0, 90.0);
 }
 } // namespace
 
@@ -129,16 +155,16 @@ bool KeyHandler::handleKey(int key, TerrainLighting& lighting)
         lighting.setTime(time - hours(24));
         return true;
     case 'r':
-        sky.sunAzimuth = std::fmod(sky.sunAzimuth + 365.0, 360.0);
+        turnSun(sky, 5.0);
         break;
     case 'R':
-        sky.sunAzimuth = std::fmod(sky.sunAzimuth + 355.0, 360.0);
+        turnSun(sky, -5.0);
         break;
     case 'u':
-        sky.sunElevation = std::min(sky.sunElevation + 2.0, 90.0);
+        raiseSun(sky, 2.0);
         break;
     case 'U':
-        sky.sunElevation = std::max(sky.sunElevation - 2.0, -90.0);
+        raiseSun(sky, -2.0);
         break;
     case 'x':
         settings.exposure = std::min(settings.exposure + 0.5, exposure.maximum);

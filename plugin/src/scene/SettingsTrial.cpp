@@ -92,7 +92,7 @@ Result<SettingsTrial> SettingsTrial::create(osg::State& state, const DemTile& ti
     if (!sky.keyLights.empty() || skyHasTable(sky))
         return Error{ErrorCode::NotSupported,
                      "settings are chosen for a uniform sky and a sun: needs "
-                     "neither key lights nor a sky in harmonics"};
+                     "neither key lights nor another sky"};
     SettingsTrial trial;
     trial._tile = tile;
     trial._sky = sky;

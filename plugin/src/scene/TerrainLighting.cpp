@@ -11,6 +11,7 @@
 #include "scene/ShadingBinding.h"
 #include "scene/TerrainTileReader.h"
 #include "scene/TileSet.h"
+#include <osgTerrainLight/Environment.h>
 
 #include <osg/Camera>
 #include <osg/DisplaySettings>
@@ -773,6 +774,8 @@ void TerrainLighting::setTime(UtcTime time)
     if (!_place)
         problem = "the terrain's place on Earth is not known: needs setPlace() (reader option "
                   "place=LONGITUDE,LATITUDE)";
+    else if (_sky.environment)
+        problem = "the sun is that of " + _sky.environment->name + ", which no time moves";
     if (!problem.empty())
     {
         warn("time not set: " + problem);

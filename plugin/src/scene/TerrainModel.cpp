@@ -192,6 +192,10 @@ osg::ref_ptr<TerrainLighting> createLighting(const LightParameters& light,
 Status setTimeAndPlace(TerrainLighting& node, const LightParameters& light,
                        const std::optional<DemTile>& tile)
 {
+    if (light.time && node.getSkyLight().environment)
+        return Error{ErrorCode::Invalid, "time = " + toString(*light.time) +
+                                             ": the sun is that of " + light.skyFile +
+                                             ": needs another sky, or no time"};
     const Result<EarthPlace> place = placeInstead(light.place, placeOf(tile.value_or(DemTile())));
     if (place)
         node.setPlace(*place);

@@ -70,6 +70,8 @@ Status SkyTablePass::dispatch(osg::State& state, const SkyLight& sky)
     GpuPass& picture = sky.environment            ? *_environment
                        : sky.skyHarmonics.empty() ? *_model
                                                   : *_harmonics;
+    if (!sky.environment)
+        _environment->reads("environment", nullptr); // large: not held for longer than it is used
     _panorama = sky.environment ? environmentTexture(sky.environment) : nullptr;
     if (sky.environment)
     {
