@@ -155,10 +155,11 @@ static bool readPlace(osgDB::InputStream& is, osgTerrainLight::TerrainLighting& 
 static bool writePlace(osgDB::OutputStream& os, const osgTerrainLight::TerrainLighting& node)
 {
     const osgTerrainLight::EarthPlace& place = *node.getPlace();
-    os << os.BEGIN_BRACKET << place.longitude << place.latitude << place.convergence;
+    os << os.BEGIN_BRACKET << std::endl;
+    os << place.longitude << place.latitude << place.convergence;
     os.writeWrappedString(node.getTime() ? osgTerrainLight::toString(*node.getTime())
                                          : std::string());
-    os << os.END_BRACKET << std::endl;
+    os << std::endl << os.END_BRACKET << std::endl;
     return true;
 }
 
