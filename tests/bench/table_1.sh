@@ -154,6 +154,7 @@ for method in legendre default; do
   colour=$([[ $method == legendre ]] && echo '#d55e00' || echo '#0072b2')
   for size in "${sizes[@]}"; do
     series "$method" 1 - "$size" >"$results/plot_${method}_$size.txt"
+    [[ -s $results/plot_${method}_$size.txt ]] || continue
     read -r start slope < <(awk -v m="$method" -v w="$size" \
       '$1 == m && $2 == 1 && $3 == w { print $4, $5 }' "$results/in_bounces.txt")
     plots+="${plots:+, }'$results/plot_${method}_$size.txt' using 4:5 with points pointtype 7 \
