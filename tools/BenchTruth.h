@@ -1,6 +1,6 @@
 #pragma once
 
-#include "Common.h"
+#include "Pipeline.h"
 
 #include "reference/PathTracer.h"
 

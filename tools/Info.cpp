@@ -1,9 +1,9 @@
-#include "Common.h"
+#include "Pipeline.h"
 
 #include "core/AzimuthSet.h"
 #include "core/SyntheticTerrain.h"
 #include "gpu/Textures.h"
-#include "gpu/passes/HorizonPass.h"
+#include "lighting/nodes/HorizonPass.h"
 
 #include <cpl_conv.h>
 #include <cpl_string.h>

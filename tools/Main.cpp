@@ -1,4 +1,4 @@
-#include "Common.h"
+#include "Pipeline.h"
 
 #include <gdal.h>
 #include <osg/Notify>

@@ -1,4 +1,4 @@
-#include "scene/TileLighting.h"
+#include "lighting/TileLighting.h"
 
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"

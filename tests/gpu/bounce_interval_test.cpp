@@ -1,6 +1,6 @@
 #include "core/SyntheticTerrain.h"
 #include "gpu/HeadlessContext.h"
-#include "scene/TileLighting.h"
+#include "lighting/TileLighting.h"
 #include "support/GlContext.h"
 
 #include <gtest/gtest.h>

@@ -7,7 +7,7 @@
 #include "reference/ExhaustiveHorizon.h"
 #include "reference/PathTracer.h"
 #include "reference/ReferenceLight.h"
-#include "scene/TileLighting.h"
+#include "lighting/TileLighting.h"
 #include "support/GlContext.h"
 #include "support/Panoramas.h"
 #include "support/SharedData.h"

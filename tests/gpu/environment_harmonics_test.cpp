@@ -4,7 +4,7 @@
 #include "gpu/EnvironmentTexture.h"
 #include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
-#include "gpu/passes/EnvironmentHarmonicsPass.h"
+#include "lighting/nodes/EnvironmentHarmonicsPass.h"
 #include "support/CubeMap.h"
 #include "support/GlContext.h"
 

@@ -7,7 +7,7 @@
 #include "core/SyntheticTerrain.h"
 #include "reference/ExhaustiveHorizon.h"
 #include "reference/ReferenceLight.h"
-#include "scene/TileLighting.h"
+#include "lighting/TileLighting.h"
 
 #include <gtest/gtest.h>
 

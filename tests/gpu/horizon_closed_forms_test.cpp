@@ -5,7 +5,7 @@
 
 #include "core/Raster.h"
 #include "io/DemReader.h"
-#include "scene/TileLighting.h"
+#include "lighting/TileLighting.h"
 
 #include <gdal_priv.h>
 #include <gtest/gtest.h>

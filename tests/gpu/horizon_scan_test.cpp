@@ -3,7 +3,7 @@
 #include "support/GlContext.h"
 
 #include "core/SyntheticTerrain.h"
-#include "gpu/passes/HorizonScanPass.h"
+#include "lighting/nodes/HorizonScanPass.h"
 #include "reference/ExhaustiveHorizon.h"
 
 #include <gtest/gtest.h>

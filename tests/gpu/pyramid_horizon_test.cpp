@@ -2,8 +2,8 @@
 // reference in double.
 #include "core/SyntheticTerrain.h"
 #include "gpu/Textures.h"
-#include "gpu/passes/HorizonPass.h"
-#include "gpu/passes/PyramidHorizonPass.h"
+#include "lighting/nodes/HorizonPass.h"
+#include "lighting/nodes/PyramidHorizonPass.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/Horizons.h"

@@ -1,6 +1,6 @@
 #include "gpu/ShaderLibrary.h"
 #include "gpu/Textures.h"
-#include "gpu/passes/HorizonPass.h"
+#include "lighting/nodes/HorizonPass.h"
 #include "support/GlContext.h"
 
 #include <osg/GLExtensions>

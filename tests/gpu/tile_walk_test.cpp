@@ -1,7 +1,7 @@
 // A tile that has come to its state by any path is the tile that was made with it.
 #include "core/SyntheticTerrain.h"
 #include "gpu/HeadlessContext.h"
-#include "scene/TileLighting.h"
+#include "lighting/TileLighting.h"
 #include "support/GlContext.h"
 #include <osgTerrainLight/Environment.h>
 

@@ -1,7 +1,7 @@
 // Bounces on hostile ground. With albedo 1 below a white sky of radiance 1 nothing may get more
 // than 1, voids get nothing, and every number is one, however few posts look at far terrain.
 #include "core/SyntheticTerrain.h"
-#include "scene/TileLighting.h"
+#include "lighting/TileLighting.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 

@@ -4,7 +4,7 @@
 #include "support/HardCase.h"
 
 #include "core/Raster.h"
-#include "scene/TileLighting.h"
+#include "lighting/TileLighting.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 
 #include "core/Raster.h"
 #include "core/SyntheticTerrain.h"
-#include "scene/TileLighting.h"
+#include "lighting/TileLighting.h"
 
 #include <gtest/gtest.h>
 

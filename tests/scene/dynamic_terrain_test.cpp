@@ -2,7 +2,7 @@
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include "gpu/GlConstants.h"
-#include "scene/TileLighting.h"
+#include "lighting/TileLighting.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"

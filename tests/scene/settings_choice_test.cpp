@@ -6,7 +6,7 @@
 #include "core/SyntheticTerrain.h"
 #include "io/DemReader.h"
 #include "reference/ReferenceLight.h"
-#include "scene/SettingsTrial.h"
+#include "lighting/SettingsTrial.h"
 
 #include <gtest/gtest.h>
 

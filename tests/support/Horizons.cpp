@@ -5,7 +5,7 @@
 #include "core/Raster.h"
 #include "io/DemReader.h"
 #include "reference/ExhaustiveHorizon.h"
-#include "scene/TileLighting.h"
+#include "lighting/TileLighting.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include <osgTerrainLight/LightProbe.h>
 
-#include "gpu/passes/ProbePass.h"
+#include "lighting/nodes/ProbePass.h"
 
 #include <osg/GL>
 #include <osg/Notify>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scene/TileLighting.h"
+#include "lighting/TileLighting.h"
 
 #include <osg/Program>
 #include <osg/Referenced>

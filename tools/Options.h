@@ -1,0 +1,114 @@
+#pragma once
+
+#include <osgTerrainLight/LightingSettings.h>
+#include <osgTerrainLight/SkyLight.h>
+#include <osgTerrainLight/SunPosition.h>
+
+#include "Output.h"
+#include "core/Result.h"
+#include "io/DemReader.h"
+
+#include <CLI/CLI.hpp>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// The tool's command line: options that modes share.
+namespace osgTerrainLight::tool
+{
+
+/// A mode: its command line, and what it does once that has been parsed. A mistake in the command
+/// line that shows only then is thrown as CLI::ParseError, like those that show while parsing.
+struct Mode
+{
+    CLI::App* app = nullptr;
+    std::function<Status()> run;
+};
+
+Mode addHorizon(CLI::App& tool);
+Mode addSvf(CLI::App& tool);
+Mode addShadow(CLI::App& tool);
+Mode addShade(CLI::App& tool);
+Mode addSunHours(CLI::App& tool);
+Mode addRender(CLI::App& tool);
+Mode addInfo(CLI::App& tool);
+Mode addGenerate(CLI::App& tool);
+Mode addBench(CLI::App& tool);
+
+/// An option of numbers separated by commas, as many as there are names. Each name is one of
+/// ParameterRange, which it is checked against.
+CLI::Option* addNumbers(CLI::App& app, const std::string& option, const std::string& typeName,
+                        const std::vector<std::string>& names, const std::string& help,
+                        std::function<void(const std::vector<double>&)> set);
+/// The same for names that the range table does not have.
+struct Limits
+{
+    std::string name;
+    double minimum, maximum;
+    bool whole = false;
+
+    std::string complaint(double value) const;
+};
+CLI::Option* addLimitedNumbers(CLI::App& app, const std::string& option,
+                               const std::string& typeName, const std::vector<Limits>& limits,
+                               const std::string& help,
+                               std::function<void(const std::vector<double>&)> set);
+
+/// --size W[,H].
+void addSize(CLI::App& app, int& width, int& height, const std::string& help);
+void addConfig(CLI::App& app);
+void addQuiet(CLI::App& app, bool& quiet);
+void addSettings(CLI::App& app, LightingSettings& settings, bool azimuths = true);
+void addExposure(CLI::App& app, LightingSettings& settings);
+void addSun(CLI::App& app, SkyLight& sky);
+void addSunRadius(CLI::App& app, SkyLight& sky);
+/// --sky, --turbidity, --sky-heading, --sky-gain. file: where the sky is one from a file.
+void addSky(CLI::App& app, SkyLight& sky, std::string& file);
+/// Reads the sky's file, where there is one, and takes its sun, unless --no-sun or --light said to
+/// leave it out. Throws CLI::ValidationError where options contradict each other.
+/// mapMayHaveSky: what is asked of without --sky may be the scene's own.
+Status readSky(const CLI::App& app, SkyLight& sky, const std::string& file,
+               bool mapMayHaveSky = false);
+/// --body-radius.
+void addBodyRadius(CLI::App& app, LightingSettings& settings);
+
+/// The sun by time and place instead of --sun.
+struct SunTime
+{
+    std::optional<UtcTime> time;
+    std::optional<EarthPlace> place; ///< else the raster's own
+};
+/// An option that is a time.
+CLI::Option* addTime(CLI::App& app, const std::string& option, const std::string& help,
+                     std::function<void(UtcTime)> set);
+CLI::Option* addPlace(CLI::App& app, SunTime& sun);
+/// --time, which excludes --sun, and --place.
+void addSunTime(CLI::App& app, SunTime& sun);
+/// --key-light and --sky-harmonics.
+void addAreaLights(CLI::App& app, SkyLight& sky);
+void addReadOptions(CLI::App& app, DemReadOptions& read);
+
+void addCellSize(CLI::App& app, std::function<void(double)> set);
+
+void addOutputOptions(CLI::App& app, OutputOptions& output);
+
+/// What the modes that turn a DEM into a raster have in common.
+struct RasterOptions
+{
+    std::string input;
+    DemReadOptions read;
+    LightingSettings settings;
+    std::string albedoFile;                          ///< a raster; empty: settings.albedo
+    std::optional<double> maxError, maxMilliseconds; ///< one of them: settings are chosen by it
+    OutputOptions output;
+};
+/// azimuths: false where the mode computes none but the sun's.
+void addRasterOptions(CLI::App& app, RasterOptions& options, bool azimuths = true);
+/// --bounces, and what they are made of.
+void addBounces(CLI::App& app, RasterOptions& options);
+/// --max-error and --max-ms, instead of the settings.
+void addBudget(CLI::App& app, RasterOptions& options);
+
+} // namespace osgTerrainLight::tool
