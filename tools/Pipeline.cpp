@@ -5,7 +5,7 @@
 #include "io/MapPlace.h"
 #include "lighting/nodes/HorizonPass.h"
 
-#include <cpl_conv.h>
+#include <cpl_string.h>
 
 #include <osg/GL>
 

@@ -4,8 +4,8 @@
 // clock, ended by glFinish. The rate counts posts times azimuths, or maps.
 #include "core/SyntheticTerrain.h"
 #include "gpu/HeadlessContext.h"
-#include "lighting/nodes/EnvironmentHarmonicsPass.h"
 #include "lighting/TileLighting.h"
+#include "lighting/nodes/EnvironmentHarmonicsPass.h"
 #include <osgTerrainLight/Environment.h>
 
 #include <benchmark/benchmark.h>

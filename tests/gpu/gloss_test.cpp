@@ -1,9 +1,9 @@
 // Glossy ground: what posts send towards viewers, and through bounces, against closed forms and
 // against the path tracer, with the lobe as it is and with the four bands of it that order 4 has.
 #include "core/SyntheticTerrain.h"
+#include "lighting/TileLighting.h"
 #include "lighting/nodes/GlossPass.h"
 #include "reference/PathTracer.h"
-#include "lighting/TileLighting.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 

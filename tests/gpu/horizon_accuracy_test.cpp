@@ -5,9 +5,9 @@
 
 #include "core/Raster.h"
 #include "core/SyntheticTerrain.h"
+#include "lighting/TileLighting.h"
 #include "reference/ExhaustiveHorizon.h"
 #include "reference/ReferenceLight.h"
-#include "lighting/TileLighting.h"
 
 #include <gtest/gtest.h>
 

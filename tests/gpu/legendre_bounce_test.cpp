@@ -2,8 +2,8 @@
 // double (support/LegendreReference.h), against closed forms and against an exhaustive march.
 #include "core/SyntheticTerrain.h"
 #include "gpu/Textures.h"
-#include "lighting/nodes/LegendreBouncePass.h"
 #include "lighting/TileLighting.h"
+#include "lighting/nodes/LegendreBouncePass.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/LegendreReference.h"

@@ -1,8 +1,8 @@
 // Light probes: against closed forms on a plain, and in a deep valley against the path tracer,
 // which receives on a small triangle at the probe's place.
+#include "lighting/TileLighting.h"
 #include "lighting/nodes/ProbePass.h"
 #include "reference/PathTracer.h"
-#include "lighting/TileLighting.h"
 #include "support/AnalyticTerrain.h"
 #include "support/CubeMap.h"
 #include "support/GlContext.h"

@@ -5,8 +5,8 @@
 
 #include "core/SyntheticTerrain.h"
 #include "io/DemReader.h"
-#include "reference/ReferenceLight.h"
 #include "lighting/SettingsTrial.h"
+#include "reference/ReferenceLight.h"
 
 #include <gtest/gtest.h>
 

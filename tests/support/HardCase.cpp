@@ -3,9 +3,9 @@
 #include "support/FramedHeights.h"
 
 #include "core/Raster.h"
-#include "lighting/nodes/HorizonPass.h"
 #include "io/DemReader.h"
 #include "lighting/TileLighting.h"
+#include "lighting/nodes/HorizonPass.h"
 #include "support/Precisions.h"
 
 #include <gdal_priv.h>

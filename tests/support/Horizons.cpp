@@ -4,8 +4,8 @@
 
 #include "core/Raster.h"
 #include "io/DemReader.h"
-#include "reference/ExhaustiveHorizon.h"
 #include "lighting/TileLighting.h"
+#include "reference/ExhaustiveHorizon.h"
 
 #include <gtest/gtest.h>
 

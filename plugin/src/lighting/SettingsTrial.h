@@ -7,8 +7,8 @@
 
 #include "core/Raster.h"
 #include "core/Result.h"
-#include "lighting/nodes/HorizonScanPass.h"
 #include "lighting/TileLighting.h"
+#include "lighting/nodes/HorizonScanPass.h"
 
 #include <osg/State>
 
