@@ -236,7 +236,7 @@ struct Times
 /// Reads back all that errors are of. Bounces are read one by one: the sum in the shading has lost
 /// them to the rounding of the direct light.
 Result<Found> readBack(const Gpu& gpu, const Truth& truth, const LightingSettings& settings,
-                       TileLighting& lighting)
+                       TileLight& lighting)
 {
     Found found;
     found.indirect.resize(truth.indirect.size());
@@ -269,7 +269,7 @@ Result<Found> readBack(const Gpu& gpu, const Truth& truth, const LightingSetting
 Status measure(const Gpu& gpu, const DemTile& tile, const Truth& truth, const SkyLight& sky,
                Row& row, Times& times, std::vector<std::string>& stages)
 {
-    const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, row.settings, sky);
+    const osg::ref_ptr<TileLight> lighting = new TileLight(tile, row.settings, sky);
     lighting->setTimed(true);
     // Twice, if there is room: the first time compiles and allocates. Where it takes long, that is
     // too little of it to do all again.

@@ -66,7 +66,7 @@ void printMemory(int width, int height, const LightingSettings& settings)
     const auto working =
         static_cast<double>(HorizonPass::workingBytes(width, height, scheme, settings.azimuths));
     const double sun =
-        2.0 * TileLighting::sunAzimuths * posts; // its working space is the sky's, at another time
+        2.0 * TileLight::sunAzimuths * posts; // its working space is the sky's, at another time
     const double skyView = 4.0 * posts;
     const double shading = 8.0 * posts;
     std::cout << "\nGraphics memory for " << size(width, height) << " posts, " << settings.azimuths

@@ -73,7 +73,7 @@ Status compute(LitTile& lit, const SkyLight& sky, SkyViewDefinition definition, 
     first.sunEnabled = sky.sunEnabled && !sky.skyEnabled;
     LightingSettings direct = lit.settings;
     direct.bounces = 0;
-    lit.lighting = new TileLighting(lit.dem.tile, direct, first, definition);
+    lit.lighting = new TileLight(lit.dem.tile, direct, first, definition);
     lit.lighting->setAlbedo(lit.albedo);
     for (const bool last : {false, true})
     {
@@ -93,8 +93,8 @@ Status compute(LitTile& lit, const SkyLight& sky, SkyViewDefinition definition, 
     for (const StageCost& cost : lit.lighting->costs())
         if (cost.dispatches > 0)
             lit.azimuths += cost.name == "horizon" ? lit.settings.azimuths
-                            : cost.name == "sun"   ? TileLighting::sunAzimuths
-                            : cost.name == "key"   ? TileLighting::keyAzimuths(sky, lit.settings)
+                            : cost.name == "sun"   ? TileLight::sunAzimuths
+                            : cost.name == "key"   ? TileLight::keyAzimuths(sky, lit.settings)
                                                    : 0;
     progress.reach(computeEnd);
     return Nothing{};
@@ -105,7 +105,7 @@ void summarise(const std::string& mode, const LitTile& lit)
     const double posts = static_cast<double>(lit.dem.tile.postCount());
     if (lit.choice)
         std::cout << mode
-                  << ": chosen: " << named(lit.settings, lit.azimuths > TileLighting::sunAzimuths)
+                  << ": chosen: " << named(lit.settings, lit.azimuths > TileLight::sunAzimuths)
                   << CPLSPrintf("; measured error at most %.2g, %.3g ms", lit.choice->error,
                                 lit.choice->milliseconds)
                   << "\n";
@@ -205,7 +205,7 @@ Status setSun(SkyLight& sky, const RasterOptions& options, const SunTime& sun, M
     sky.setSunAt(*sun.time, *place);
     add(metadata, "TIME", toString(*sun.time));
     addPlace(metadata, *place);
-    if (!TileLighting::needsSun(sky))
+    if (!TileLight::needsSun(sky))
         warn("the sun is " + text(std::round(-100.0 * sky.sunElevation) / 100.0) +
              " degrees below the horizontal at " + toString(*sun.time));
     return Nothing{};

@@ -10,7 +10,7 @@
 #include "gpu/HeadlessContext.h"
 #include "io/RasterWriter.h"
 #include "lighting/SettingsTrial.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 
 #include <memory>
 
@@ -37,7 +37,7 @@ struct LitTile
 {
     DemFile dem;
     Gpu gpu;
-    osg::ref_ptr<TileLighting> lighting;
+    osg::ref_ptr<TileLight> lighting;
     LightingSettings settings;
     Raster<Rgb> albedo;                   ///< empty: the settings'
     std::optional<SettingsChoice> choice; ///< where a budget made it

@@ -70,11 +70,11 @@ private:
     {
         SkyLight sky = _options.sky;
         sky.setSunAt(time, _place);
-        if (!TileLighting::needsSun(sky))
+        if (!TileLight::needsSun(sky))
             return Nothing{};
         ++_sunny;
         if (!_lit.lighting)
-            _lit.lighting = new TileLighting(_lit.dem.tile, _lit.settings, sky);
+            _lit.lighting = new TileLight(_lit.dem.tile, _lit.settings, sky);
         _lit.lighting->setSky(sky);
         if (Status done = _lit.lighting->update(_lit.gpu.state()); !done)
             return done;

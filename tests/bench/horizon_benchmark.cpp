@@ -4,7 +4,7 @@
 // clock, ended by glFinish. The rate counts posts times azimuths, or maps.
 #include "core/SyntheticTerrain.h"
 #include "gpu/HeadlessContext.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 #include "lighting/nodes/EnvironmentHarmonicsPass.h"
 #include <osgTerrainLight/Environment.h>
 
@@ -39,7 +39,7 @@ void runStage(benchmark::State& bench, const char* stage, HorizonQuality quality
     LightingSettings settings;
     settings.quality = quality;
     settings.azimuths = azimuths;
-    osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, SkyLight());
+    osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, SkyLight());
     lighting->setTimed(true);
     if (const Status first = lighting->update(state); !first) // compiles the shaders
     {
@@ -87,7 +87,7 @@ void movingSun(benchmark::State& bench)
     settings.bounces = 2;
     settings.bounceInterval = static_cast<int>(bench.range(1));
     SkyLight sky;
-    const osg::ref_ptr<TileLighting> lighting = new TileLighting(
+    const osg::ref_ptr<TileLight> lighting = new TileLight(
         generateTerrain(TerrainKind::Fractal, size, size, 30.0, 1).value(), settings, sky);
     const auto moveAndUpdate = [&]
     {
@@ -168,7 +168,7 @@ void environment(benchmark::State& bench)
     std::string problem;
     SkyLight sky;
     sky.setEnvironment(createEnvironment(256, 512, std::move(radiance), problem));
-    const osg::ref_ptr<TileLighting> lighting = new TileLighting(
+    const osg::ref_ptr<TileLight> lighting = new TileLight(
         generateTerrain(TerrainKind::Fractal, size, size, 30.0, 1).value(), settings, sky);
     lighting->setTimed(true);
     const auto compute = [&]

@@ -5,7 +5,7 @@
 #include "core/SyntheticTerrain.h"
 #include "gpu/Textures.h"
 #include "io/DemReader.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 #include "lighting/nodes/SkyTablePass.h"
 #include "reference/PathTracer.h"
 #include "support/AnalyticTerrain.h"
@@ -164,10 +164,10 @@ const std::vector<KeyLight> studio = {keyLight(300.0, 30.0, 15.0, 40.0, {6.0f, 4
                                       keyLight(80.0, 60.0, 40.0, 80.0, {0.5f, 0.7f, 1.0f}),
                                       keyLight(190.0, 20.0, -10.0, 12.0, {1.0f, 1.0f, 1.0f})};
 
-osg::ref_ptr<TileLighting> lit(osg::State& state, const DemTile& tile,
-                               const LightingSettings& settings, const SkyLight& sky)
+osg::ref_ptr<TileLight> lit(osg::State& state, const DemTile& tile,
+                            const LightingSettings& settings, const SkyLight& sky)
 {
-    const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky);
+    const osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky);
     const Status done = lighting->update(state);
     EXPECT_TRUE(done.ok()) << (done ? "" : done.error().message);
     return lighting;
@@ -176,7 +176,7 @@ osg::ref_ptr<TileLighting> lit(osg::State& state, const DemTile& tile,
 Raster<osg::Vec4f> shadingOf(osg::State& state, const DemTile& tile, const SkyLight& sky,
                              const LightingSettings& settings = {})
 {
-    const osg::ref_ptr<TileLighting> lighting = lit(state, tile, settings, sky);
+    const osg::ref_ptr<TileLight> lighting = lit(state, tile, settings, sky);
     Raster<osg::Vec4f> shading = lighting->readShading(state);
     lighting->releaseGLObjects(&state);
     return shading;
@@ -654,7 +654,7 @@ TEST_P(AreaLightAccuracy, AgainstThePathTracer)
             }
             const double error = std::sqrt(std::max(0.0, squares - noise) / of);
             std::cout << scene.name << ", " << azimuths << " azimuths, "
-                      << TileLighting::keyAzimuths(scene.sky, settings) << " of key lights, "
+                      << TileLight::keyAzimuths(scene.sky, settings) << " of key lights, "
                       << (order == 0   ? "direct"
                           : order == 1 ? "1 bounce"
                                        : "2 bounces")
@@ -725,7 +725,7 @@ TEST(AreaLights, AddUpAndLeaveNothingBehind)
             }
 
         const auto before = shadingOf(state, tile, plain, settings);
-        const osg::ref_ptr<TileLighting> lighting = lit(state, tile, settings, all);
+        const osg::ref_ptr<TileLight> lighting = lit(state, tile, settings, all);
         EXPECT_EQ(lighting->readShading(state).values(), together.values());
         lighting->setSky(plain);
         ASSERT_TRUE(lighting->update(state).ok());
@@ -751,7 +751,7 @@ TEST(AreaLights, CostNothingWhereThereAreNone)
                          keyLight(0.0, 30.0, 10.0, 50.0, {0.0f, 0.0f, 0.0f})};
     for (const SkyLight& sky : {plain, nothing})
     {
-        const osg::ref_ptr<TileLighting> lighting = lit(state, tile, {}, sky);
+        const osg::ref_ptr<TileLight> lighting = lit(state, tile, {}, sky);
         for (const char* name : {"table", "key"})
         {
             EXPECT_EQ(stage(lighting->costs(), name).dispatches, 0u);
@@ -762,7 +762,7 @@ TEST(AreaLights, CostNothingWhereThereAreNone)
     SkyLight keyed = plain;
     keyed.skyHarmonics = evening;
     keyed.keyLights = studio;
-    const osg::ref_ptr<TileLighting> lighting = lit(state, tile, {}, keyed);
+    const osg::ref_ptr<TileLight> lighting = lit(state, tile, {}, keyed);
     keyed.keyLights[0].radiance = {1.0f, 2.0f, 3.0f};
     keyed.keyLights[1].highest = 60.0;
     lighting->setSky(keyed);

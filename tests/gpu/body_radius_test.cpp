@@ -1,4 +1,4 @@
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
@@ -46,7 +46,7 @@ TEST(BodyRadius, DistantRidgeStandsLower)
         settings.bodyRadius = radius;
         SkyLight sky;
         sky.sunEnabled = false;
-        const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky);
+        const osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky);
         ASSERT_TRUE(lighting->update(context->state()).ok());
         const HorizonMap map = lighting->readHorizons(context->state());
         for (const int column : {5, 40, 80, 120})
@@ -77,8 +77,8 @@ TEST(BodyRadius, MovingHeightsSinkAlike)
         40, 30, 100.0, [](int column, int row) { return 30.0 * std::sin(0.4 * column) + row; });
     LightingSettings settings;
     settings.bodyRadius = 20000.0;
-    const osg::ref_ptr<TileLighting> still = new TileLighting(tile, settings, SkyLight());
-    const osg::ref_ptr<TileLighting> moving = new TileLighting(tile, settings, SkyLight());
+    const osg::ref_ptr<TileLight> still = new TileLight(tile, settings, SkyLight());
+    const osg::ref_ptr<TileLight> moving = new TileLight(tile, settings, SkyLight());
     moving->setHeights(tile.heights());
     for (const auto& lighting : {still, moving})
         ASSERT_TRUE(lighting->update(context->state()).ok());
@@ -93,7 +93,7 @@ TEST(BodyRadius, MovingHeightsSinkAlike)
         lighting->setSettings(settings);
         ASSERT_TRUE(lighting->update(context->state()).ok());
     }
-    const osg::ref_ptr<TileLighting> flat = new TileLighting(tile, settings, SkyLight());
+    const osg::ref_ptr<TileLight> flat = new TileLight(tile, settings, SkyLight());
     ASSERT_TRUE(flat->update(context->state()).ok());
     EXPECT_EQ(still->readShading(context->state()).values(),
               flat->readShading(context->state()).values());

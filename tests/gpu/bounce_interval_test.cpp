@@ -1,6 +1,6 @@
 #include "core/SyntheticTerrain.h"
 #include "gpu/HeadlessContext.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 #include "support/GlContext.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ SkyLight sunAt(double azimuth)
     return sky;
 }
 
-std::map<std::string, unsigned> countsOf(const TileLighting& lighting)
+std::map<std::string, unsigned> countsOf(const TileLight& lighting)
 {
     std::map<std::string, unsigned> counts;
     for (const StageCost& cost : lighting.costs())
@@ -46,7 +46,7 @@ std::map<std::string, unsigned> countsOf(const TileLighting& lighting)
     return counts;
 }
 
-void update(TileLighting& lighting, osg::State& state)
+void update(TileLight& lighting, osg::State& state)
 {
     const Status done = lighting.update(state);
     ASSERT_TRUE(done.ok()) << done.error().message;
@@ -56,7 +56,7 @@ void update(TileLighting& lighting, osg::State& state)
 Raster<osg::Vec4f> freshShading(osg::State& state, LightingSettings settings, const SkyLight& sky)
 {
     settings.bounceInterval = 1;
-    const osg::ref_ptr<TileLighting> lighting = new TileLighting(terrain(), settings, sky);
+    const osg::ref_ptr<TileLight> lighting = new TileLight(terrain(), settings, sky);
     update(*lighting, state);
     Raster<osg::Vec4f> shading = lighting->readShading(state);
     lighting->releaseGLObjects(&state);
@@ -70,7 +70,7 @@ Raster<osg::Vec4f> freshBounces(osg::State& state, LightingSettings settings, co
     Raster<osg::Vec4f> sum(width, height);
     for (const int bounces = settings.bounces; settings.bounces > 0; --settings.bounces)
     {
-        const osg::ref_ptr<TileLighting> lighting = new TileLighting(terrain(), settings, sky);
+        const osg::ref_ptr<TileLight> lighting = new TileLight(terrain(), settings, sky);
         update(*lighting, state);
         const Raster<osg::Vec4f> last = lighting->readLastBounce(state);
         for (std::size_t i = 0; i < sum.size(); ++i)
@@ -102,8 +102,7 @@ TEST(BounceInterval, DirectLightIsOfNowAndBouncesOfTheirLastUpdate)
                 indirect[i] = freshBounces(state, settings, lights[i]);
                 all[i] = freshShading(state, settings, lights[i]);
             }
-            const osg::ref_ptr<TileLighting> lighting =
-                new TileLighting(terrain(), settings, lights[0]);
+            const osg::ref_ptr<TileLight> lighting = new TileLight(terrain(), settings, lights[0]);
             update(*lighting, state);
             EXPECT_EQ(lighting->readShading(state).values(), all[0].values());
             std::size_t computedFor = 0;
@@ -149,8 +148,7 @@ TEST(BounceInterval, LightThatMovesBringsBouncesInEveryNthUpdate)
     OTL_NEED_GL(context);
     osg::State& state = context->state();
     const unsigned id = state.getContextID();
-    const osg::ref_ptr<TileLighting> lighting =
-        new TileLighting(terrain(), settingsOf(2, 4), sunAt(0.0));
+    const osg::ref_ptr<TileLight> lighting = new TileLight(terrain(), settingsOf(2, 4), sunAt(0.0));
     update(*lighting, state);
     EXPECT_FALSE(lighting->isDirty(id));
     std::map<std::string, unsigned> counts = {
@@ -201,7 +199,7 @@ TEST(BounceInterval, WhateverElseChangesBringsBouncesAtOnce)
     osg::State& state = context->state();
     const unsigned id = state.getContextID();
     LightingSettings settings = settingsOf(1, 16);
-    const osg::ref_ptr<TileLighting> lighting = new TileLighting(terrain(), settings, sunAt(0.0));
+    const osg::ref_ptr<TileLight> lighting = new TileLight(terrain(), settings, sunAt(0.0));
     update(*lighting, state);
     double azimuth = 0.0;
     const auto expectAtOnce = [&](const char* what, const auto& change)
@@ -262,10 +260,10 @@ TEST(BounceInterval, TilesTakeTurns)
 {
     OTL_NEED_GL(context);
     osg::State& state = context->state();
-    std::vector<osg::ref_ptr<TileLighting>> tiles;
+    std::vector<osg::ref_ptr<TileLight>> tiles;
     for (int i = 0; i < 4; ++i)
     {
-        tiles.push_back(new TileLighting(terrain(), settingsOf(1, 4), sunAt(0.0)));
+        tiles.push_back(new TileLight(terrain(), settingsOf(1, 4), sunAt(0.0)));
         update(*tiles.back(), state);
     }
     const auto bounces = [&]
@@ -292,8 +290,7 @@ TEST(BounceInterval, OneCostsNothingAndMoreATextureOfEightBytesPerPost)
 {
     OTL_NEED_GL(context);
     osg::State& state = context->state();
-    const osg::ref_ptr<TileLighting> lighting =
-        new TileLighting(terrain(), settingsOf(2, 1), sunAt(0.0));
+    const osg::ref_ptr<TileLight> lighting = new TileLight(terrain(), settingsOf(2, 1), sunAt(0.0));
     update(*lighting, state);
     const std::size_t before = lighting->bytes();
     EXPECT_EQ(countsOf(*lighting).count("indirect"), 0u);
@@ -321,8 +318,7 @@ TEST(BounceInterval, EachContextGoesItsOwnPace)
     OTL_NEED_GL(first);
     const std::unique_ptr<HeadlessContext> second =
         std::move(HeadlessContext::create(16, 16).value());
-    const osg::ref_ptr<TileLighting> lighting =
-        new TileLighting(terrain(), settingsOf(2, 3), sunAt(0.0));
+    const osg::ref_ptr<TileLight> lighting = new TileLight(terrain(), settingsOf(2, 3), sunAt(0.0));
     // The second context sees every second light only.
     for (int step = 0; step <= 8; ++step)
     {

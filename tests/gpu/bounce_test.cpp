@@ -2,7 +2,7 @@
 #include "core/SyntheticTerrain.h"
 #include "gpu/Textures.h"
 #include "io/DemReader.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 #include "lighting/nodes/BouncePass.h"
 #include "lighting/nodes/HorizonPass.h"
 #include "reference/PathTracer.h"
@@ -37,7 +37,7 @@ std::vector<Raster<osg::Vec4f>> bouncesOf(osg::State& state, const DemTile& tile
     std::vector<Raster<osg::Vec4f>> found;
     const int bounces = settings.bounces;
     settings.bounces = 0;
-    const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky);
+    const osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky);
     lighting->setAlbedo(albedo);
     for (settings.bounces = 1; settings.bounces <= bounces; ++settings.bounces)
     {
@@ -54,7 +54,7 @@ Raster<osg::Vec4f> shadingOf(osg::State& state, const DemTile& tile,
                              const LightingSettings& settings, const SkyLight& sky,
                              const Raster<Rgb>& albedo = {})
 {
-    const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky);
+    const osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky);
     lighting->setAlbedo(albedo);
     const Status done = lighting->update(state);
     EXPECT_TRUE(done.ok()) << (done ? "" : done.error().message);
@@ -403,7 +403,7 @@ TEST(Bounce, SameSettingsSameBitsWhateverCameBefore)
     const auto fresh = shadingOf(state, tile, settings, sky);
     const auto freshDirect = shadingOf(state, tile, LightingSettings(), sky);
 
-    const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, LightingSettings(), sky);
+    const osg::ref_ptr<TileLight> lighting = new TileLight(tile, LightingSettings(), sky);
     ASSERT_TRUE(lighting->update(state).ok());
     settings.albedo = {0.9f, 0.1f, 0.2f};
     settings.azimuths = 16;
@@ -443,11 +443,11 @@ TEST(Bounce, CostsNothingWhereNothingBounces)
     LightingSettings black = bounces;
     black.albedo = {0.0f, 0.0f, 0.0f};
     const std::size_t without =
-        osg::ref_ptr<TileLighting>(new TileLighting(tile, LightingSettings(), SkyLight()))->bytes();
+        osg::ref_ptr<TileLight>(new TileLight(tile, LightingSettings(), SkyLight()))->bytes();
     for (const auto& [settings, sky] :
          {std::pair{LightingSettings(), SkyLight()}, {black, SkyLight()}, {bounces, dark}})
     {
-        const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, bounces, SkyLight());
+        const osg::ref_ptr<TileLight> lighting = new TileLight(tile, bounces, SkyLight());
         ASSERT_TRUE(lighting->update(state).ok());
         lighting->setSettings(settings);
         lighting->setSky(sky);

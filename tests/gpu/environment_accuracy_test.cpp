@@ -4,7 +4,7 @@
 #include "core/SyntheticTerrain.h"
 #include "io/DemReader.h"
 #include "io/EnvironmentFile.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 #include "reference/ExhaustiveHorizon.h"
 #include "reference/PathTracer.h"
 #include "reference/ReferenceLight.h"
@@ -163,7 +163,7 @@ TEST_P(EnvironmentAccuracy, AgainstThePathTracer)
             LightingSettings settings;
             settings.azimuths = azimuths;
             settings.bounces = scene.bounces;
-            const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky);
+            const osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky);
             const Status done = lighting->update(context->state());
             ASSERT_TRUE(done.ok()) << done.error().message;
             const Raster<osg::Vec4f> shading = lighting->readShading(context->state());

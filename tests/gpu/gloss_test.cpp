@@ -1,7 +1,7 @@
 // Glossy ground: what posts send towards viewers, and through bounces, against closed forms and
 // against the path tracer, with the lobe as it is and with the four bands of it that order 4 has.
 #include "core/SyntheticTerrain.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 #include "lighting/nodes/GlossPass.h"
 #include "reference/PathTracer.h"
 #include "support/AnalyticTerrain.h"
@@ -85,7 +85,7 @@ struct Glossy
 Glossy glossOf(osg::State& state, const DemTile& tile, const LightingSettings& settings,
                const SkyLight& sky)
 {
-    const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky);
+    const osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky);
     const Status done = lighting->update(state);
     EXPECT_TRUE(done.ok()) << (done ? "" : done.error().message);
     EXPECT_EQ(takeGlErrors(), "");
@@ -222,8 +222,8 @@ TEST(Gloss, PerPost)
     for (int y = 0; y < 20; ++y)
         for (int x = 0; x < 12; ++x)
             gloss.at(x, y) = {0.0f, 1.0f};
-    const osg::ref_ptr<TileLighting> lighting =
-        new TileLighting(tile, glossySettings(0.0, 2.0), whiteSky());
+    const osg::ref_ptr<TileLight> lighting =
+        new TileLight(tile, glossySettings(0.0, 2.0), whiteSky());
     ASSERT_TRUE(lighting->update(state).ok());
     EXPECT_FALSE(lighting->glossLight());
     lighting->setGloss(gloss);
@@ -291,7 +291,7 @@ TEST(Gloss, CostsNothingWhereThereIsNone)
     osg::State& state = context->state();
     const DemTile tile = *generateTerrain(TerrainKind::Fractal, 33, 25, 30.0, 3);
     LightingSettings settings = glossySettings(0.0, 8.0, 2);
-    const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, SkyLight());
+    const osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, SkyLight());
     ASSERT_TRUE(lighting->update(state).ok());
     const auto stage = [&]
     {
@@ -337,9 +337,9 @@ TEST(Gloss, BringsBouncesInEveryUpdate)
     osg::State& state = context->state();
     const DemTile tile = *generateTerrain(TerrainKind::Fractal, 24, 20, 30.0, 3);
     LightingSettings settings = glossySettings(0.5, 8.0, 1);
-    const osg::ref_ptr<TileLighting> always = new TileLighting(tile, settings, SkyLight());
+    const osg::ref_ptr<TileLight> always = new TileLight(tile, settings, SkyLight());
     settings.bounceInterval = 4;
-    const osg::ref_ptr<TileLighting> paced = new TileLighting(tile, settings, SkyLight());
+    const osg::ref_ptr<TileLight> paced = new TileLight(tile, settings, SkyLight());
     for (int step = 0; step < 6; ++step)
     {
         SkyLight sky;
@@ -363,8 +363,8 @@ TEST(Gloss, TwiceIsTheSame)
     OTL_NEED_GL(context);
     osg::State& state = context->state();
     const DemTile tile = *generateTerrain(TerrainKind::Fractal, 24, 24, 30.0, 3);
-    const osg::ref_ptr<TileLighting> lighting =
-        new TileLighting(tile, glossySettings(0.5, 8.0, 1), SkyLight());
+    const osg::ref_ptr<TileLight> lighting =
+        new TileLight(tile, glossySettings(0.5, 8.0, 1), SkyLight());
     ASSERT_TRUE(lighting->update(state).ok());
     const auto first = lighting->readGlossLight(state);
     const auto shading = lighting->readShading(state).values();

@@ -5,7 +5,7 @@
 
 #include "core/Raster.h"
 #include "core/SyntheticTerrain.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 #include "reference/ExhaustiveHorizon.h"
 #include "reference/ReferenceLight.h"
 
@@ -157,7 +157,7 @@ ViewError skyViewError(osg::State& state, const DemTile& tile, SkyViewDefinition
     LightingSettings settings; // 32 azimuths, normal
     SkyLight sky;
     sky.sunEnabled = false;
-    osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky, definition);
+    osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky, definition);
     EXPECT_TRUE(lighting->update(state));
     const Raster<float> view = lighting->readSkyView(state);
     reference::HorizonOptions options;
@@ -237,7 +237,7 @@ TEST(SkyViewAccuracy, RampByDefinition)
         LightingSettings settings;
         SkyLight sky;
         sky.sunEnabled = false;
-        osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky, c.definition);
+        osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky, c.definition);
         ASSERT_TRUE(lighting->update(context->state()));
         EXPECT_NEAR(static_cast<double>(lighting->readSkyView(context->state()).at(64, 64)),
                     c.expected, 0.002);

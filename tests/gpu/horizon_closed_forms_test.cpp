@@ -5,7 +5,7 @@
 
 #include "core/Raster.h"
 #include "io/DemReader.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
@@ -227,7 +227,7 @@ TEST(HorizonClosedForm, HalfSphereOverflowsTheHullWithinABound)
     settings.azimuths = 16;
     SkyLight sky;
     sky.sunEnabled = false;
-    osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky);
+    osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky);
     ASSERT_TRUE(lighting->update(context->state()));
     const HorizonMap map = lighting->readHorizons(context->state());
     EXPECT_GT(lighting->readDroppedVertices(context->state()), 0u);

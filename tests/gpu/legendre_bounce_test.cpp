@@ -2,7 +2,7 @@
 // double (support/LegendreReference.h), against closed forms and against an exhaustive march.
 #include "core/SyntheticTerrain.h"
 #include "gpu/Textures.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 #include "lighting/nodes/LegendreBouncePass.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
@@ -203,7 +203,7 @@ Colours litGround(osg::State& state, const DemTile& tile)
     sky.sunElevation = 35.0;
     sky.sunAzimuth = 200.0;
     sky.sunIrradiance = {2.0f, 2.0f, 2.0f};
-    const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, LightingSettings(), sky);
+    const osg::ref_ptr<TileLight> lighting = new TileLight(tile, LightingSettings(), sky);
     const Status done = lighting->update(state);
     EXPECT_TRUE(done.ok()) << (done ? "" : done.error().message);
     const Raster<osg::Vec4f> shading = lighting->readShading(state);
@@ -436,7 +436,7 @@ TEST(LegendreBounce, IsASettingOfTheLighting)
     LightingSettings settings;
     settings.bounces = 1;
     settings.azimuths = 16;
-    const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, SkyLight());
+    const osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, SkyLight());
     std::vector<std::vector<osg::Vec4f>> lights;
     for (const BounceMethod method : {BounceMethod::Slices, BounceMethod::Legendre,
                                       BounceMethod::LegendreBSpline, BounceMethod::Slices})
@@ -465,7 +465,7 @@ TEST(LegendreBounce, IsASettingOfTheLighting)
     sun.sunEnabled = true;
     sun.sunElevation = 30.0;
     settings.bounceMethod = BounceMethod::Legendre;
-    const osg::ref_ptr<TileLighting> sunny = new TileLighting(tile, settings, sun);
+    const osg::ref_ptr<TileLight> sunny = new TileLight(tile, settings, sun);
     const Status done = sunny->update(context->state());
     ASSERT_TRUE(done.ok()) << done.error().message;
     for (const StageCost& cost : sunny->costs())

@@ -5,7 +5,7 @@
 #include "core/SyntheticTerrain.h"
 #include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 #include "lighting/nodes/LegendreDirectPass.h"
 #include "reference/ExhaustiveHorizon.h"
 #include "support/AnalyticTerrain.h"
@@ -560,7 +560,7 @@ TEST(LegendreDirect, SubsamplingChangesASmoothBowlLittle)
     for (const int stride : {1, 2, 4})
     {
         settings.subsampling = stride;
-        const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky);
+        const osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky);
         const Status done = lighting->update(context->state());
         ASSERT_TRUE(done.ok()) << done.error().message;
         all.push_back(lighting->readShading(context->state()));
@@ -602,8 +602,7 @@ TEST(LegendreDirect, SubsamplingKeepsEveryPostOfAnySize)
                     if ((x / 3 + y / 5) % 4 == 1)
                         tile.setVoid(x, y);
             settings.subsampling = stride;
-            const osg::ref_ptr<TileLighting> lighting =
-                new TileLighting(tile, settings, whiteSky());
+            const osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, whiteSky());
             const Status done = lighting->update(context->state());
             ASSERT_TRUE(done.ok()) << done.error().message;
             const Shading shading = lighting->readShading(context->state());
@@ -626,7 +625,7 @@ TEST(LegendreDirect, NeedsNoHorizonAndNoSweep)
     OTL_NEED_GL(context);
     const DemTile tile = fractal(40, 33);
     osg::State& state = context->state();
-    const auto costsOf = [](const TileLighting& lighting)
+    const auto costsOf = [](const TileLight& lighting)
     {
         std::map<std::string, StageCost> costs;
         for (const StageCost& cost : lighting.costs())
@@ -636,7 +635,7 @@ TEST(LegendreDirect, NeedsNoHorizonAndNoSweep)
     LightingSettings settings;
     settings.azimuths = 16;
     const SkyLight sky; // a sky and a sun
-    const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky);
+    const osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky);
     ASSERT_TRUE(lighting->update(state).ok());
     const Shading slices = lighting->readShading(state);
     const std::size_t sliceBytes = lighting->bytes();
@@ -649,7 +648,7 @@ TEST(LegendreDirect, NeedsNoHorizonAndNoSweep)
         lighting->setSettings(settings);
         ASSERT_TRUE(lighting->update(state).ok());
         EXPECT_FALSE(lighting->isDirty(state.getContextID()));
-        const osg::ref_ptr<TileLighting> fresh = new TileLighting(tile, settings, sky);
+        const osg::ref_ptr<TileLight> fresh = new TileLight(tile, settings, sky);
         ASSERT_TRUE(fresh->update(state).ok());
         for (const char* stage : {"horizon", "sky", "sun"})
         {
@@ -680,11 +679,11 @@ TEST(LegendreDirect, NeedsNoHorizonAndNoSweep)
     EXPECT_GT(lighting->readShading(state).at(20, 20).x(), 0.0f);
 
     // Heights that a host sets are lit as those of a tile.
-    const osg::ref_ptr<TileLighting> dynamic =
-        new TileLighting(analytic::plane(40, 33, 30.0, 0.0), settings, sky);
+    const osg::ref_ptr<TileLight> dynamic =
+        new TileLight(analytic::plane(40, 33, 30.0, 0.0), settings, sky);
     dynamic->setHeights(tile.heights());
     ASSERT_TRUE(dynamic->update(state).ok());
-    const osg::ref_ptr<TileLighting> fixed = new TileLighting(tile, settings, sky);
+    const osg::ref_ptr<TileLight> fixed = new TileLight(tile, settings, sky);
     ASSERT_TRUE(fixed->update(state).ok());
     EXPECT_EQ(dynamic->readShading(state).values(), fixed->readShading(state).values());
 
@@ -712,8 +711,8 @@ TEST(LegendreDirect, FitsFourMegabytes)
     settings.subsampling = 2;
     settings.azimuths = 32;
     // Void posts take as many bytes, and little time.
-    const osg::ref_ptr<TileLighting> lighting =
-        new TileLighting(DemTile(512, 512, 30.0), settings, SkyLight());
+    const osg::ref_ptr<TileLight> lighting =
+        new TileLight(DemTile(512, 512, 30.0), settings, SkyLight());
     ASSERT_TRUE(lighting->update(context->state()).ok());
     const std::size_t output = textureBytes(*lighting->shading());
     const std::size_t others = lighting->bytes() - output;

@@ -1,6 +1,6 @@
 // Light probes: against closed forms on a plain, and in a deep valley against the path tracer,
 // which receives on a small triangle at the probe's place.
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 #include "lighting/nodes/ProbePass.h"
 #include "reference/PathTracer.h"
 #include "support/AnalyticTerrain.h"
@@ -55,7 +55,7 @@ SkyLight uniformSky()
     return sky;
 }
 
-unsigned probeRuns(const TileLighting& lighting)
+unsigned probeRuns(const TileLight& lighting)
 {
     for (const StageCost& cost : lighting.costs())
         if (cost.name == "probe")
@@ -113,8 +113,8 @@ TEST(LightProbe, OnAPlain)
     LightingSettings settings;
     settings.azimuths = 16;
     settings.albedo = {0.5f, 0.25f, 1.0f};
-    const osg::ref_ptr<TileLighting> lighting =
-        new TileLighting(analytic::plane(65, 65, 10.0, 100.0), settings, uniformSky());
+    const osg::ref_ptr<TileLight> lighting =
+        new TileLight(analytic::plane(65, 65, 10.0, 100.0), settings, uniformSky());
     const ProbePlace place = probeAt(31.3, 32.8, 1.0);
     EXPECT_TRUE(lighting->setProbes({place}));
     EXPECT_FALSE(lighting->setProbes({place}));
@@ -168,8 +168,8 @@ TEST(LightProbe, RunsWhereSomethingHasChanged)
     LightingSettings settings;
     settings.azimuths = 8;
     SkyLight sky = uniformSky();
-    const osg::ref_ptr<TileLighting> lighting =
-        new TileLighting(analytic::plane(17, 17, 10.0, 0.0), settings, sky);
+    const osg::ref_ptr<TileLight> lighting =
+        new TileLight(analytic::plane(17, 17, 10.0, 0.0), settings, sky);
     ASSERT_TRUE(lighting->update(state).ok());
     for (const StageCost& cost : lighting->costs())
         EXPECT_NE(cost.name, "probe");
@@ -222,7 +222,7 @@ TEST(LightProbe, InAValleyAgainstThePathTracer)
     key.azimuth = 0.0;
     key.radiance = {0.5f, 1.0f, 0.5f};
     sky.keyLights = {key};
-    const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky);
+    const osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky);
     lighting->setAlbedo(redInTheEast(posts, posts));
     // Over the bottom's crease, where posts have other normals than the faces beside them; and over
     // a side.
@@ -317,8 +317,8 @@ TEST(LightProbe, SunBehindAWall)
     sky.sunAngularRadius = 2.0;
     // Wall of 50 m, 100 m east of the probe, which is 10 m above the ground: from there 21.8
     // degrees.
-    const osg::ref_ptr<TileLighting> lighting =
-        new TileLighting(analytic::wall(33, 33, 10.0, 20, 50.0), settings, sky);
+    const osg::ref_ptr<TileLight> lighting =
+        new TileLight(analytic::wall(33, 33, 10.0, 20, 50.0), settings, sky);
     const ProbePlace place = probeAt(10.0, 16.0, 10.0);
     lighting->setProbes({place});
     const double horizon = std::atan2(40.0, 100.0) * 180.0 / pi;
@@ -345,8 +345,8 @@ TEST(LightProbe, WithTheOtherBounceMethods)
     settings.bounceMethod = BounceMethod::Legendre;
     SkyLight sky = uniformSky();
     sky.skyHarmonics = {{3.5449077f, 3.5449077f, 3.5449077f}};
-    const osg::ref_ptr<TileLighting> lighting =
-        new TileLighting(analytic::plane(65, 65, 10.0, 0.0), settings, sky);
+    const osg::ref_ptr<TileLight> lighting =
+        new TileLight(analytic::plane(65, 65, 10.0, 0.0), settings, sky);
     const ProbePlace place = probeAt(32.0, 32.0, 1.0);
     lighting->setProbes({place});
     const Status done = lighting->update(state);

@@ -1,7 +1,7 @@
 // A tile that has come to its state by any path is the tile that was made with it.
 #include "core/SyntheticTerrain.h"
 #include "gpu/HeadlessContext.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 #include "support/GlContext.h"
 #include <osgTerrainLight/Environment.h>
 
@@ -23,7 +23,7 @@ namespace
 {
 constexpr int width = 19, height = 14;
 
-/// All that setters of TileLighting set.
+/// All that setters of TileLight set.
 struct TileState
 {
     LightingSettings settings;
@@ -68,7 +68,7 @@ public:
     float unit() { return std::uniform_real_distribution<float>(0.0f, 1.0f)(_random); }
 
     /// Changes state and lighting alike, and says what.
-    std::string change(TileState& state, TileLighting& lighting)
+    std::string change(TileState& state, TileLight& lighting)
     {
         switch (below(8))
         {
@@ -92,7 +92,7 @@ public:
     }
 
 private:
-    std::string changeSettings(TileState& state, TileLighting& lighting)
+    std::string changeSettings(TileState& state, TileLight& lighting)
     {
         LightingSettings& s = state.settings;
         const int what = below(10);
@@ -133,7 +133,7 @@ private:
         return "settings " + std::to_string(what);
     }
 
-    std::string changeSky(TileState& state, TileLighting& lighting)
+    std::string changeSky(TileState& state, TileLight& lighting)
     {
         SkyLight& sky = state.sky;
         const int what = below(8);
@@ -178,7 +178,7 @@ private:
         return "sky " + std::to_string(what);
     }
 
-    std::string changePosts(TileState& state, TileLighting& lighting)
+    std::string changePosts(TileState& state, TileLight& lighting)
     {
         const int what = below(3);
         const bool empty = below(3) == 0;
@@ -222,7 +222,7 @@ struct Outcome
 };
 
 /// After light has stood still until nothing is left to be done.
-Outcome outcomeOf(TileLighting& lighting, osg::State& state)
+Outcome outcomeOf(TileLight& lighting, osg::State& state)
 {
     for (int i = 0; i < 3 && (i == 0 || lighting.isDirty(state.getContextID())); ++i)
     {
@@ -240,8 +240,7 @@ Outcome outcomeOf(TileLighting& lighting, osg::State& state)
 
 Outcome freshOutcome(const TileState& state, osg::State& context)
 {
-    const osg::ref_ptr<TileLighting> lighting =
-        new TileLighting(terrain(), state.settings, state.sky);
+    const osg::ref_ptr<TileLight> lighting = new TileLight(terrain(), state.settings, state.sky);
     if (!state.heights.empty())
         lighting->setHeights(state.heights);
     lighting->setAlbedo(state.albedo);
@@ -300,8 +299,8 @@ TEST(TileWalk, EndsWhereAFreshTileBegins)
         TileState state;
         state.settings.azimuths = 8;
         state.settings.quality = HorizonQuality::Draft;
-        const osg::ref_ptr<TileLighting> lighting =
-            new TileLighting(terrain(), state.settings, state.sky);
+        const osg::ref_ptr<TileLight> lighting =
+            new TileLight(terrain(), state.settings, state.sky);
         std::string path;
         for (int i = 1; i <= 40; ++i)
         {

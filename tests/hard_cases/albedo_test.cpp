@@ -1,5 +1,5 @@
 // Albedo 0 and 1. The library has no bounces yet: this holds the reference path tracer, which they
-// will be compared with. When they exist, the same tiles go through TileLighting with the same
+// will be compared with. When they exist, the same tiles go through TileLight with the same
 // bounds.
 #include "support/AnalyticTerrain.h"
 

@@ -1,7 +1,7 @@
 // Bounces on hostile ground. With albedo 1 below a white sky of radiance 1 nothing may get more
 // than 1, voids get nothing, and every number is one, however few posts look at far terrain.
 #include "core/SyntheticTerrain.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 
@@ -44,7 +44,7 @@ TEST(Bounces, MakeNoLightOnHostileGround)
             SkyLight sky;
             sky.sunEnabled = false;
             sky.skyRadiance = {1.0f, 1.0f, 1.0f};
-            const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky);
+            const osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky);
             ASSERT_TRUE(lighting->update(context->state()).ok()) << name;
             const auto shading = lighting->readShading(context->state());
             float most = 0.0f;

@@ -1,6 +1,6 @@
 // An environment that is dark but for one texel of 1e6. The library has no environments yet: this
 // holds the reference path tracer, which they will be compared with. When they exist, the same
-// environment goes through TileLighting, whose shading saturates at 65,504
+// environment goes through TileLight, whose shading saturates at 65,504
 // (light_extremes_test.cpp).
 #include "support/AnalyticTerrain.h"
 

@@ -4,7 +4,7 @@
 
 #include "core/Raster.h"
 #include "core/SyntheticTerrain.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ constexpr float greatestHalf = 65504.0f;
 
 Raster<osg::Vec4f> shadingOf(osg::State& state, const DemTile& tile, const SkyLight& sky)
 {
-    osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, LightingSettings(), sky);
+    osg::ref_ptr<TileLight> lighting = new TileLight(tile, LightingSettings(), sky);
     EXPECT_TRUE(lighting->update(state));
     return lighting->readShading(state);
 }

@@ -4,7 +4,7 @@
 #include "support/HardCase.h"
 
 #include "core/Raster.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 
 #include <gtest/gtest.h>
 
@@ -78,7 +78,7 @@ TEST(Plane, SkyViewAtEightyNineDegrees)
     settings.azimuths = 256;
     SkyLight sky;
     sky.sunEnabled = false;
-    osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky);
+    osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky);
     ASSERT_TRUE(lighting->update(context->state()));
     const double found = static_cast<double>(lighting->readSkyView(context->state()).at(32, 32));
     std::printf("plane at 89 degrees: sky view %.6f, closed form %.6f\n", found, expected);

@@ -5,7 +5,7 @@
 
 #include "core/Raster.h"
 #include "core/SyntheticTerrain.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ Raster<osg::Vec4f> shadingOf(osg::State& state, const DemTile& tile, HorizonQual
 {
     LightingSettings settings;
     settings.quality = quality;
-    osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky);
+    osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky);
     EXPECT_TRUE(lighting->update(state));
     return lighting->readShading(state);
 }

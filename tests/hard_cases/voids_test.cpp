@@ -5,7 +5,7 @@
 
 #include "core/Raster.h"
 #include "core/SyntheticTerrain.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 
 #include <gtest/gtest.h>
 
@@ -111,7 +111,7 @@ TEST(Voids, BesideRaysThroughPosts)
     {
         LightingSettings settings;
         settings.quality = quality;
-        osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky);
+        osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky);
         for (int c = 2; c <= 16; ++c)
             for (int w = 1; w < c; ++w)
             {

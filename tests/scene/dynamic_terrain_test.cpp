@@ -2,7 +2,7 @@
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include "gpu/GlConstants.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"
@@ -66,7 +66,7 @@ struct Light
     std::vector<float> shading, skyView;
     std::vector<std::uint16_t> horizons;
 
-    static Light of(TileLighting& lighting, osg::State& state)
+    static Light of(TileLight& lighting, osg::State& state)
     {
         const Status done = lighting.update(state);
         EXPECT_TRUE(done.ok()) << (done ? "" : done.error().message);
@@ -99,14 +99,14 @@ LightingSettings fewAzimuths()
     return settings;
 }
 
-osg::ref_ptr<TileLighting> lightingOf(const DemTile& tile)
+osg::ref_ptr<TileLight> lightingOf(const DemTile& tile)
 {
-    return new TileLighting(tile, fewAzimuths(), SkyLight());
+    return new TileLight(tile, fewAzimuths(), SkyLight());
 }
 
 Light freshLight(const std::vector<float>& heights, int width, int height, osg::State& state)
 {
-    const osg::ref_ptr<TileLighting> fresh = lightingOf(tileOf(heights, width, height));
+    const osg::ref_ptr<TileLight> fresh = lightingOf(tileOf(heights, width, height));
     const Light light = Light::of(*fresh, state);
     fresh->releaseGLObjects(&state);
     return light;
@@ -284,7 +284,7 @@ TEST(DynamicHeights, SetHeightsLightAsANewTileWithThem)
     for (const auto& size : sizes)
     {
         SCOPED_TRACE(std::to_string(size.width) + " x " + std::to_string(size.height));
-        const osg::ref_ptr<TileLighting> lighting =
+        const osg::ref_ptr<TileLight> lighting =
             lightingOf(tileOf(roughHeights(size.width, size.height, 1), size.width, size.height));
         std::vector<Light> seen;
         for (unsigned seed : {1u, 2u, 3u})
@@ -322,13 +322,13 @@ TEST(DynamicHeights, EveryQualityAndLightFollows)
             SkyLight sky;
             sky.skyEnabled = parts % 2 == 1;
             sky.sunEnabled = parts / 2 == 1;
-            const osg::ref_ptr<TileLighting> lighting =
-                new TileLighting(analytic::plane(20, 15, spacing, 3.0), settings, sky);
+            const osg::ref_ptr<TileLight> lighting =
+                new TileLight(analytic::plane(20, 15, spacing, 3.0), settings, sky);
             ASSERT_TRUE(lighting->update(state).ok());
             lighting->setHeights(heights);
             ASSERT_TRUE(lighting->update(state).ok());
-            const osg::ref_ptr<TileLighting> fresh =
-                new TileLighting(tileOf(heights, 20, 15), settings, sky);
+            const osg::ref_ptr<TileLight> fresh =
+                new TileLight(tileOf(heights, 20, 15), settings, sky);
             ASSERT_TRUE(fresh->update(state).ok());
             EXPECT_TRUE(lighting->readShading(state).values() == fresh->readShading(state).values())
                 << parts;
@@ -346,7 +346,7 @@ TEST(DynamicHeights, ATextureOfTheHostLightsAsANewTileWithItsHeights)
     constexpr int height = 25;
     const osg::ref_ptr<osg::Texture2D> texture = hostTexture(width, height);
     const osg::ref_ptr<HostPass> pass = new HostPass(texture);
-    const osg::ref_ptr<TileLighting> lighting =
+    const osg::ref_ptr<TileLight> lighting =
         lightingOf(analytic::plane(width, height, spacing, 5.0));
     lighting->setHeightTexture(texture);
     for (bool voids : {false, true})
@@ -374,7 +374,7 @@ TEST(DynamicHeights, AChangeRunsEachStageOnceAndNoChangeNone)
 {
     OTL_NEED_GL(context);
     osg::State& state = context->state();
-    const osg::ref_ptr<TileLighting> lighting = lightingOf(analytic::plane(9, 9, spacing, 0.0));
+    const osg::ref_ptr<TileLight> lighting = lightingOf(analytic::plane(9, 9, spacing, 0.0));
     ASSERT_TRUE(lighting->update(state).ok());
     LightingSettings settings;
     settings.bounces = 2;
@@ -421,7 +421,7 @@ TEST(DynamicHeights, EachContextHasTheNewestAndAnotherThreadMaySetThem)
     const std::unique_ptr<HeadlessContext> second =
         std::move(HeadlessContext::create(16, 16).value());
     ASSERT_NE(first->state().getContextID(), second->state().getContextID());
-    const osg::ref_ptr<TileLighting> lighting = lightingOf(analytic::plane(16, 12, spacing, 0.0));
+    const osg::ref_ptr<TileLight> lighting = lightingOf(analytic::plane(16, 12, spacing, 0.0));
     for (unsigned seed = 1; seed < 4; ++seed)
     {
         lighting->setHeights(roughHeights(16, 12, seed, true));

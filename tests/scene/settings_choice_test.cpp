@@ -53,7 +53,7 @@ Estimate meanSquare(const std::vector<double>& errors)
 Estimate trueError(osg::State& state, const DemTile& tile, const SkyLight& sky,
                    const LightingSettings& settings)
 {
-    const osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky);
+    const osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky);
     const Status done = lighting->update(state);
     EXPECT_TRUE(done) << (done ? "" : done.error().message);
     const Raster<osg::Vec4f> shading = lighting->readShading(state);

@@ -4,7 +4,7 @@
 
 #include "core/Raster.h"
 #include "io/DemReader.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 #include "lighting/nodes/HorizonPass.h"
 #include "support/Precisions.h"
 
@@ -467,7 +467,7 @@ SkyLight skyWith(const reference::Sun& sun)
     return sky;
 }
 
-Bits readBits(osg::State& state, const TileLighting& lighting)
+Bits readBits(osg::State& state, const TileLight& lighting)
 {
     Bits bits;
     bits.codes = lighting.readHorizons(state).codes();
@@ -480,7 +480,7 @@ Bits readBits(osg::State& state, const TileLighting& lighting)
     return bits;
 }
 
-void update(osg::State& state, TileLighting& lighting)
+void update(osg::State& state, TileLight& lighting)
 {
     const Status done = lighting.update(state);
     ASSERT_TRUE(done) << done.error().message;
@@ -732,7 +732,7 @@ void checkHardCase(osg::State& state, const HardCase& hardCase)
     {
         const LightingSettings settings = settingsOf(quality, hardCase.azimuths);
         const SkyLight first = skyWith(hardCase.suns.front());
-        osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, first);
+        osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, first);
         update(state, *lighting);
         const Bits bits = readBits(state, *lighting);
         EXPECT_EQ(lighting->readDroppedVertices(state) > 0, hardCase.hullOverflows)
@@ -768,8 +768,8 @@ void expectHorizons(osg::State& state, const HardCase& hardCase, const HorizonFo
     {
         SkyLight sky;
         sky.sunEnabled = false;
-        osg::ref_ptr<TileLighting> lighting =
-            new TileLighting(tile, settingsOf(quality, hardCase.azimuths), sky);
+        osg::ref_ptr<TileLight> lighting =
+            new TileLight(tile, settingsOf(quality, hardCase.azimuths), sky);
         update(state, *lighting);
         const HorizonMap map = lighting->readHorizons(state);
         Tally tally(hardCase.name + ", " + toString(quality) + ", closed form");
@@ -813,8 +813,7 @@ void expectHorizons(osg::State& state, const HardCase& hardCase, const HorizonFo
 Bits lightingBits(osg::State& state, const DemTile& tile, HorizonQuality quality, int azimuths,
                   const SkyLight& sky)
 {
-    osg::ref_ptr<TileLighting> lighting =
-        new TileLighting(tile, settingsOf(quality, azimuths), sky);
+    osg::ref_ptr<TileLight> lighting = new TileLight(tile, settingsOf(quality, azimuths), sky);
     const Status done = lighting->update(state);
     EXPECT_TRUE(done) << (done ? "" : done.error().message);
     return readBits(state, *lighting);

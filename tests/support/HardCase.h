@@ -73,7 +73,7 @@ struct HardCase
 /// (b) horizons, sky view, the sun's visible fraction and the light against the double-precision
 ///     reference at every post, within the bounds above;
 /// (c) the shared functions on this terrain in float against double;
-/// (d) a second TileLighting, and the first after touch(), give the same bits.
+/// (d) a second TileLight, and the first after touch(), give the same bits.
 /// Prints what was measured, one line per quality.
 void checkHardCase(osg::State& state, const HardCase& hardCase);
 

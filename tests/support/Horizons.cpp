@@ -4,7 +4,7 @@
 
 #include "core/Raster.h"
 #include "io/DemReader.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 #include "reference/ExhaustiveHorizon.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ HorizonMap gpuHorizons(osg::State& state, const DemTile& tile, int azimuths, Hor
     settings.quality = quality;
     SkyLight sky;
     sky.sunEnabled = false;
-    osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky);
+    osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky);
     const Status done = lighting->update(state);
     EXPECT_TRUE(done) << (done ? "" : done.error().message);
     return lighting->readHorizons(state);
@@ -41,7 +41,7 @@ Raster<float> gpuSunFraction(osg::State& state, const DemTile& tile, double azim
     sky.sunAzimuth = azimuth;
     sky.sunElevation = elevation;
     sky.sunAngularRadius = angularRadius;
-    osg::ref_ptr<TileLighting> lighting = new TileLighting(tile, settings, sky);
+    osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky);
     const Status done = lighting->update(state);
     EXPECT_TRUE(done) << (done ? "" : done.error().message);
     const Raster<osg::Vec4f> shading = lighting->readShading(state);

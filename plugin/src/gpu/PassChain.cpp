@@ -42,8 +42,9 @@ std::vector<PassChain::Version> PassChain::inputVersions(const Entry& entry,
     return versions;
 }
 
-Status PassChain::run(osg::State& state)
+Status PassChain::run(osg::State& state, const std::function<bool()>& mayContinue)
 {
+    bool ran = false; // so that each call gets further
     using Clock = std::chrono::steady_clock;
     Context& context = _contexts[state.getContextID()];
     for (std::size_t i = 0; i < _stages.size(); ++i)
@@ -69,6 +70,9 @@ Status PassChain::run(osg::State& state)
             context.seen[i] = std::move(inputs);
         if (turn != Turn::Run)
             continue;
+        if (ran && mayContinue && !mayContinue())
+            return Nothing{};
+        ran = true;
 
         const auto* extensions = state.get<osg::GLExtensions>();
         GLuint query = 0;

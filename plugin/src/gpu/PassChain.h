@@ -65,8 +65,8 @@ public:
     Value addStage(Stage stage);
 
     /// Runs what has changed for the state's context, which must be current. Stops at the first
-    /// error.
-    Status run(osg::State& state);
+    /// error, or between two stages where mayContinue says so: the next call goes on from there.
+    Status run(osg::State& state, const std::function<bool()>& mayContinue = {});
 
     /// True where run() would run at least one stage.
     bool isDirty(unsigned contextID) const;

@@ -140,7 +140,7 @@ Result<SettingsTrial> SettingsTrial::create(osg::State& state, const DemTile& ti
         trial._sunFraction.assign(sunPostCount, 0.0);
         trial._sunWeights.assign(sunPostCount, 0.0);
     }
-    if (TileLighting::needsSun(sky))
+    if (TileLight::needsSun(sky))
     {
         // The disc as strips of equal angle on its edge: offset r·cos a, half length r·sin a.
         std::vector<MapDirection> directions;
@@ -208,7 +208,7 @@ Result<SettingsTrial::Run> SettingsTrial::run(osg::State& state, const LightingS
     LightingSettings direct = settings; // the exhaustive scan knows no bounces
     direct.bounces = 0;
     direct.bounceMethod = BounceMethod::Slices;
-    const osg::ref_ptr<TileLighting> lighting = new TileLighting(_tile, direct, _sky, _definition);
+    const osg::ref_ptr<TileLight> lighting = new TileLight(_tile, direct, _sky, _definition);
     lighting->setTimed(true);
     Run result;
     std::vector<double> sky, rest;

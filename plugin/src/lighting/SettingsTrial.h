@@ -7,7 +7,7 @@
 
 #include "core/Raster.h"
 #include "core/Result.h"
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 #include "lighting/nodes/HorizonScanPass.h"
 
 #include <osg/State>

@@ -279,7 +279,7 @@ public:
         const auto found = _added.find(stateSet);
         if (found == _added.end())
             return false;
-        TileLighting& lighting = found->second.tile->lighting();
+        TileLight& lighting = found->second.tile->lighting();
         Raster<std::array<float, 2>> posts;
         if (!gloss.empty())
             posts = Raster<std::array<float, 2>>(lighting.width(), lighting.height());
@@ -400,7 +400,7 @@ private:
     Lit light(const DemTile& dem, const std::string& name)
     {
         Lit lit;
-        lit.tile = new LitTile(name, new TileLighting(dem, _owner._settings, _owner._sky));
+        lit.tile = new LitTile(name, new TileLight(dem, _owner._settings, _owner._sky));
         set->add(lit.tile);
         return lit;
     }
@@ -603,7 +603,7 @@ private:
             return;
         lit.colours = image;
         lit.coloursVersion = version;
-        TileLighting& lighting = lit.tile->lighting();
+        TileLight& lighting = lit.tile->lighting();
         lighting.setAlbedo(readTerrainAlbedo(tile, lighting.width(), lighting.height()));
         set->touch();
     }
@@ -617,7 +617,7 @@ private:
             return;
         lit.glossPicture = image;
         lit.glossVersion = version;
-        TileLighting& lighting = lit.tile->lighting();
+        TileLight& lighting = lit.tile->lighting();
         lighting.setGloss(
             readTerrainGloss(tile, _owner._glossLayer, lighting.width(), lighting.height()));
         set->touch();
@@ -880,7 +880,7 @@ void TerrainLighting::applyUniforms()
     _uniforms->addUniform(new osg::Uniform(ShadingTexture::exposure,
                                            static_cast<float>(std::exp2(_settings.exposure))));
     const std::array<double, 3> sun = _sky.sunDirection();
-    const bool hasSun = TileLighting::needsSun(_sky);
+    const bool hasSun = TileLight::needsSun(_sky);
     _uniforms->addUniform(
         new osg::Uniform(ShadingTexture::sunDirection,
                          osg::Vec3f(static_cast<float>(sun[0]), static_cast<float>(sun[1]),

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 
 #include <osg/Program>
 #include <osg/Referenced>
@@ -20,12 +20,10 @@ namespace osgTerrainLight
 class LitTile : public osg::Referenced
 {
 public:
-    LitTile(std::string name, TileLighting* lighting) : _name(std::move(name)), _lighting(lighting)
-    {
-    }
+    LitTile(std::string name, TileLight* lighting) : _name(std::move(name)), _lighting(lighting) {}
 
     const std::string& name() const { return _name; }
-    TileLighting& lighting() const { return *_lighting; }
+    TileLight& lighting() const { return *_lighting; }
 
     enum class Stage
     {
@@ -49,7 +47,7 @@ public:
 private:
     ~LitTile() override = default;
     std::string _name;
-    osg::ref_ptr<TileLighting> _lighting;
+    osg::ref_ptr<TileLight> _lighting;
     mutable std::mutex _mutex;
     std::map<unsigned, Stage> _stages;
     std::map<unsigned, std::string> _failures; ///< where the stage is Failed, or was

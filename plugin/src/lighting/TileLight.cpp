@@ -1,4 +1,4 @@
-#include "lighting/TileLighting.h"
+#include "lighting/TileLight.h"
 
 #include "glsl_host.h"
 #include "gpu/GlConstants.h"
@@ -42,8 +42,8 @@ osg::Vec3f vec3(const Rgb& c)
 }
 } // namespace
 
-TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings,
-                           const SkyLight& sky, SkyViewDefinition definition)
+TileLight::TileLight(const DemTile& tile, const LightingSettings& settings, const SkyLight& sky,
+                     SkyViewDefinition definition)
     : _tile(tile), _settings(settings), _sky(sky), _definition(definition), _turn(nextTurn()),
       _skyPass(new GpuPass("sky_view")), _shadePass(new GpuPass("shade"))
 {
@@ -198,12 +198,12 @@ TileLighting::TileLighting(const DemTile& tile, const LightingSettings& settings
     followGloss();
 }
 
-bool TileLighting::needsSun(const SkyLight& sky)
+bool TileLight::needsSun(const SkyLight& sky)
 {
     return sky.sunEnabled && sky.sunElevation + sky.sunAngularRadius > 0.0;
 }
 
-int TileLighting::keyAzimuths(const SkyLight& sky, const LightingSettings& settings)
+int TileLight::keyAzimuths(const SkyLight& sky, const LightingSettings& settings)
 {
     int count = 0;
     for (const KeySlices& key : keySlices(sky, settings.azimuths))
@@ -211,7 +211,7 @@ int TileLighting::keyAzimuths(const SkyLight& sky, const LightingSettings& setti
     return count;
 }
 
-void TileLighting::setSettings(const LightingSettings& settings)
+void TileLight::setSettings(const LightingSettings& settings)
 {
     Lock lock(_mutex);
     const bool changed = settings.azimuths != _settings.azimuths ||
@@ -261,18 +261,18 @@ void TileLighting::setSettings(const LightingSettings& settings)
     }
 }
 
-bool TileLighting::legendreNeeded() const
+bool TileLight::legendreNeeded() const
 {
     return !bySlices() && (skyNeeded() || sunNeeded() || keyNeeded());
 }
 
-int TileLighting::frame() const
+int TileLight::frame() const
 {
     // A sweep reads far beyond the last post; a normal, one post.
     return bySlices() ? HorizonPass::frame : 1;
 }
 
-void TileLighting::createHeights()
+void TileLight::createHeights()
 {
     if (_posts)
     {
@@ -295,7 +295,7 @@ void TileLighting::createHeights()
     }
 }
 
-bool TileLighting::bounceNeeded() const
+bool TileLight::bounceNeeded() const
 {
     // Less than two posts a side have no cell between them to send light.
     return _settings.bounces > 0 && (skyNeeded() || sunNeeded() || keyNeeded()) && width() > 1 &&
@@ -303,7 +303,7 @@ bool TileLighting::bounceNeeded() const
            (glossNeeded() || !(_albedo.empty() ? isBlack(_settings.albedo) : _albedoIsBlack));
 }
 
-void TileLighting::setGloss(Raster<std::array<float, 2>> gloss)
+void TileLight::setGloss(Raster<std::array<float, 2>> gloss)
 {
     Lock lock(_mutex);
     assert(gloss.size() == 0 || (gloss.width() == width() && gloss.height() == height()));
@@ -314,7 +314,7 @@ void TileLighting::setGloss(Raster<std::array<float, 2>> gloss)
     followGloss();
 }
 
-void TileLighting::forgetGloss()
+void TileLight::forgetGloss()
 {
     _materialTexture = nullptr;
     _glossPass = nullptr;
@@ -322,7 +322,7 @@ void TileLighting::forgetGloss()
     _chain.touch(_bounceValue);
 }
 
-void TileLighting::followGloss()
+void TileLight::followGloss()
 {
     if (!glossNeeded())
         _glossLight = nullptr;
@@ -333,13 +333,13 @@ void TileLighting::followGloss()
     }
 }
 
-osg::ref_ptr<osg::Texture2DArray> TileLighting::glossLight() const
+osg::ref_ptr<osg::Texture2DArray> TileLight::glossLight() const
 {
     Lock lock(_mutex);
     return _glossLight;
 }
 
-void TileLighting::setAlbedo(Raster<Rgb> albedo)
+void TileLight::setAlbedo(Raster<Rgb> albedo)
 {
     Lock lock(_mutex);
     assert(albedo.size() == 0 || (albedo.width() == width() && albedo.height() == height()));
@@ -349,7 +349,7 @@ void TileLighting::setAlbedo(Raster<Rgb> albedo)
     _chain.touch(_bounceValue);
 }
 
-bool TileLighting::setProbes(std::vector<ProbePlace> probes)
+bool TileLight::setProbes(std::vector<ProbePlace> probes)
 {
     Lock lock(_mutex);
     if (probes == _probes)
@@ -359,7 +359,7 @@ bool TileLighting::setProbes(std::vector<ProbePlace> probes)
     return true;
 }
 
-void TileLighting::setSky(const SkyLight& sky)
+void TileLight::setSky(const SkyLight& sky)
 {
     Lock lock(_mutex);
     if (sky.sunAzimuth != _sky.sunAzimuth || sky.sunElevation != _sky.sunElevation ||
@@ -385,7 +385,7 @@ void TileLighting::setSky(const SkyLight& sky)
     _chain.touch(_lightValue);
 }
 
-void TileLighting::setHeights(const std::vector<float>& heights)
+void TileLight::setHeights(const std::vector<float>& heights)
 {
     assert(heights.size() == _tile.postCount());
     Lock lock(_mutex);
@@ -395,19 +395,19 @@ void TileLighting::setHeights(const std::vector<float>& heights)
     setPosts(_ownHeights);
 }
 
-void TileLighting::setHeightTexture(osg::Texture2D* posts)
+void TileLight::setHeightTexture(osg::Texture2D* posts)
 {
     Lock lock(_mutex);
     setPosts(posts);
 }
 
-void TileLighting::touchHeights()
+void TileLight::touchHeights()
 {
     Lock lock(_mutex);
     _chain.touch(_heightsValue);
 }
 
-void TileLighting::setPosts(osg::Texture2D* posts)
+void TileLight::setPosts(osg::Texture2D* posts)
 {
     assert(posts);
     _chain.touch(_heightsValue);
@@ -429,20 +429,20 @@ void TileLighting::setPosts(osg::Texture2D* posts)
     _framePass->reads("posts", _posts);
 }
 
-void TileLighting::touch()
+void TileLight::touch()
 {
     Lock lock(_mutex);
     _chain.touch(_settingsValue);
     _chain.touch(_lightValue);
 }
 
-void TileLighting::recompute()
+void TileLight::recompute()
 {
     Lock lock(_mutex);
     _chain.forget(~0u);
 }
 
-Status TileLighting::update(osg::State& state)
+Status TileLight::update(osg::State& state, const std::function<bool()>& mayContinue)
 {
     Lock lock(_mutex);
     const unsigned id = state.getContextID();
@@ -453,10 +453,10 @@ Status TileLighting::update(osg::State& state)
         pace.due = true;
         _chain.forget(id, _shadeOutput);
     }
-    return _chain.run(state);
+    return _chain.run(state, mayContinue);
 }
 
-PassChain::Turn TileLighting::bounceTurn(unsigned contextID)
+PassChain::Turn TileLight::bounceTurn(unsigned contextID)
 {
     Pace& pace = _paces[contextID];
     ++pace.updates;
@@ -466,13 +466,13 @@ PassChain::Turn TileLighting::bounceTurn(unsigned contextID)
     return pace.waits ? PassChain::Turn::Wait : PassChain::Turn::Run;
 }
 
-bool TileLighting::isDirty(unsigned contextID) const
+bool TileLight::isDirty(unsigned contextID) const
 {
     Lock lock(_mutex);
     return _chain.isDirty(contextID);
 }
 
-Status TileLighting::runHeights(osg::State& state)
+Status TileLight::runHeights(osg::State& state)
 {
     // A pass of the host may have written the posts: OSG issues no barrier after it.
     state.get<osg::GLExtensions>()->glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
@@ -480,7 +480,7 @@ Status TileLighting::runHeights(osg::State& state)
                                         GpuPass::groupsFor(height() + 2 * frame(), 8), 1});
 }
 
-Status TileLighting::runHorizon(osg::State& state)
+Status TileLight::runHorizon(osg::State& state)
 {
     if (!_horizon)
     {
@@ -495,21 +495,21 @@ Status TileLighting::runHorizon(osg::State& state)
     return _horizon->dispatch(state);
 }
 
-Status TileLighting::runTable(osg::State& state)
+Status TileLight::runTable(osg::State& state)
 {
     if (!_table)
         _table = new SkyTablePass(_settings.azimuths);
     return _table->dispatch(state, _sky);
 }
 
-SkyLight TileLighting::lightAtGround() const
+SkyLight TileLight::lightAtGround() const
 {
     SkyLight light = _sky;
     light.sunIrradiance = sunAtGround(_sky);
     return light;
 }
 
-SkyLight TileLighting::lightInHarmonics() const
+SkyLight TileLight::lightInHarmonics() const
 {
     SkyLight light = lightAtGround();
     if (skyHasTable(_sky))
@@ -517,13 +517,13 @@ SkyLight TileLighting::lightInHarmonics() const
     return light;
 }
 
-AreaLights TileLighting::areaLights() const
+AreaLights TileLight::areaLights() const
 {
     return {_table ? _table->table() : nullptr, _key ? _key->horizon() : nullptr,
             keySlices(_sky, _settings.azimuths), _sun ? _sun->horizon() : nullptr, lightAtGround()};
 }
 
-Status TileLighting::runSky(osg::State& state)
+Status TileLight::runSky(osg::State& state)
 {
     const GLint format = tableNeeded() ? GL_RGBA16F_ARB : GL_R32F;
     if (!_skyView || _skyView->getInternalFormat() != format)
@@ -541,7 +541,7 @@ Status TileLighting::runSky(osg::State& state)
                               {GpuPass::groupsFor(width(), 8), GpuPass::groupsFor(height(), 8), 1});
 }
 
-Status TileLighting::runSun(osg::State& state)
+Status TileLight::runSun(osg::State& state)
 {
     if (!_sun)
         _sun =
@@ -551,7 +551,7 @@ Status TileLighting::runSun(osg::State& state)
     return _sun->dispatch(state);
 }
 
-std::array<MapDirection, 3> TileLighting::sunDirections() const
+std::array<MapDirection, 3> TileLight::sunDirections() const
 {
     // SUN_SIDE of the disc's radius to either side, as an azimuth: less than 90 degrees, all around
     // where the disc holds the zenith.
@@ -563,7 +563,7 @@ std::array<MapDirection, 3> TileLighting::sunDirections() const
             directionOfCompass(_sky.sunAzimuth + turn)};
 }
 
-Status TileLighting::runKey(osg::State& state)
+Status TileLight::runKey(osg::State& state)
 {
     const std::vector<MapDirection> directions = directionsOf(keySlices(_sky, _settings.azimuths));
     if (!_key)
@@ -573,7 +573,7 @@ Status TileLighting::runKey(osg::State& state)
     return _key->dispatch(state);
 }
 
-Status TileLighting::runShade(osg::State& state)
+Status TileLight::runShade(osg::State& state)
 {
     if (legendreNeeded())
     {
@@ -593,7 +593,7 @@ Status TileLighting::runShade(osg::State& state)
                          {GpuPass::groupsFor(width(), 8), GpuPass::groupsFor(height(), 8), 1});
 }
 
-void TileLighting::createGlossPass()
+void TileLight::createGlossPass()
 {
     if (!_materialTexture)
     {
@@ -616,7 +616,7 @@ void TileLighting::createGlossPass()
     }
 }
 
-Status TileLighting::runGloss(osg::State& state)
+Status TileLight::runGloss(osg::State& state)
 {
     createGlossPass();
     SkyLight sky = lightInHarmonics();
@@ -625,7 +625,7 @@ Status TileLighting::runGloss(osg::State& state)
                                       _horizon ? _horizon->horizon() : nullptr, _shading);
 }
 
-Status TileLighting::runPyramid(osg::State& state)
+Status TileLight::runPyramid(osg::State& state)
 {
     // It runs where anything but light has changed that bounces depend on.
     _paces[state.getContextID()].due = true;
@@ -644,7 +644,7 @@ Status TileLighting::runPyramid(osg::State& state)
     return _bounce->dispatchHeights(state);
 }
 
-Status TileLighting::runBounce(osg::State& state)
+Status TileLight::runBounce(osg::State& state)
 {
     if (!_bounce)
         _bounce = new LegendreBouncePass(_tile, *_pyramid, _eastSpacings,
@@ -662,14 +662,14 @@ Status TileLighting::runBounce(osg::State& state)
     return done;
 }
 
-void TileLighting::createAlbedo()
+void TileLight::createAlbedo()
 {
     if (!_albedoTexture)
         _albedoTexture =
             createColourTexture(_albedo.size() ? _albedo : Raster<Rgb>(1, 1, _settings.albedo));
 }
 
-Status TileLighting::runProbe(osg::State& state)
+Status TileLight::runProbe(osg::State& state)
 {
     if (!_probePass)
         _probePass = new ProbePass(_tile);
@@ -689,7 +689,7 @@ Status TileLighting::runProbe(osg::State& state)
     return Nothing{};
 }
 
-Raster<osg::Vec4f> TileLighting::coloursOf(const std::vector<float>& values) const
+Raster<osg::Vec4f> TileLight::coloursOf(const std::vector<float>& values) const
 {
     Raster<osg::Vec4f> colours(width(), height());
     for (std::size_t i = 0; i < colours.size(); ++i)
@@ -698,18 +698,18 @@ Raster<osg::Vec4f> TileLighting::coloursOf(const std::vector<float>& values) con
     return colours;
 }
 
-std::vector<float> TileLighting::readGlossLight(osg::State& state) const
+std::vector<float> TileLight::readGlossLight(osg::State& state) const
 {
     assert(_glossLight);
     return readFloats(state, *_glossLight, 4);
 }
 
-Raster<osg::Vec4f> TileLighting::readShading(osg::State& state) const
+Raster<osg::Vec4f> TileLight::readShading(osg::State& state) const
 {
     return coloursOf(readFloats(state, *_shading, 4));
 }
 
-Raster<osg::Vec4f> TileLighting::readLastBounce(osg::State& state) const
+Raster<osg::Vec4f> TileLight::readLastBounce(osg::State& state) const
 {
     assert(_bounce);
     const Result<std::vector<float>> light = _bounce->readLight(state);
@@ -717,7 +717,7 @@ Raster<osg::Vec4f> TileLighting::readLastBounce(osg::State& state) const
     return coloursOf(light.value());
 }
 
-Raster<float> TileLighting::readSkyView(osg::State& state) const
+Raster<float> TileLight::readSkyView(osg::State& state) const
 {
     assert(_skyView);
     Raster<float> view(width(), height());
@@ -728,7 +728,7 @@ Raster<float> TileLighting::readSkyView(osg::State& state) const
     return view;
 }
 
-HorizonMap TileLighting::readHorizons(osg::State& state) const
+HorizonMap TileLight::readHorizons(osg::State& state) const
 {
     assert(_horizon);
     HorizonMap map(width(), height(), _settings.azimuths);
@@ -736,7 +736,7 @@ HorizonMap TileLighting::readHorizons(osg::State& state) const
     return map;
 }
 
-unsigned TileLighting::readDroppedVertices(osg::State& state) const
+unsigned TileLight::readDroppedVertices(osg::State& state) const
 {
     unsigned count = 0;
     for (const auto& pass : {_horizon, _sun, _key})
@@ -745,7 +745,7 @@ unsigned TileLighting::readDroppedVertices(osg::State& state) const
     return count;
 }
 
-std::vector<StageCost> TileLighting::costs() const
+std::vector<StageCost> TileLight::costs() const
 {
     Lock lock(_mutex);
     std::vector<StageCost> costs = _chain.costs();
@@ -760,7 +760,7 @@ std::vector<StageCost> TileLighting::costs() const
     return costs;
 }
 
-std::size_t TileLighting::bytes() const
+std::size_t TileLight::bytes() const
 {
     std::size_t sum = textureBytes(*_heights) + textureBytes(*_eastSpacings) +
                       (_ownHeights ? textureBytes(*_ownHeights) : 0);
@@ -769,7 +769,7 @@ std::size_t TileLighting::bytes() const
     return sum;
 }
 
-void TileLighting::releaseGLObjects(osg::State* state) const
+void TileLight::releaseGLObjects(osg::State* state) const
 {
     Lock lock(_mutex);
     _chain.forget(state ? state->getContextID() : ~0u);
@@ -805,7 +805,7 @@ void TileLighting::releaseGLObjects(osg::State* state) const
             texture->releaseGLObjects(state);
 }
 
-void TileLighting::resizeGLObjectBuffers(unsigned size)
+void TileLight::resizeGLObjectBuffers(unsigned size)
 {
     Lock lock(_mutex);
     for (const auto& pass : {_horizon, _sun, _key})

@@ -28,6 +28,7 @@
 #include <OpenThreads/Mutex>
 
 #include <array>
+#include <functional>
 #include <map>
 #include <vector>
 
@@ -53,11 +54,11 @@ enum class SkyViewDefinition
 /// adds those that were), probe (there are probes). With a BounceMethod other than Slices, horizon,
 /// table, sky, sun, key and gloss do not exist: where there is any light, shade takes it from the
 /// pyramid.
-class OSGTERRAINLIGHT_EXPORT TileLighting : public osg::Referenced
+class OSGTERRAINLIGHT_EXPORT TileLight : public osg::Referenced
 {
 public:
-    TileLighting(const DemTile& tile, const LightingSettings& settings, const SkyLight& sky,
-                 SkyViewDefinition definition = SkyViewDefinition::Surface);
+    TileLight(const DemTile& tile, const LightingSettings& settings, const SkyLight& sky,
+              SkyViewDefinition definition = SkyViewDefinition::Surface);
 
     /// Horizons that the sun's stage computes per post: across its disc.
     static constexpr int sunAzimuths = 3;
@@ -100,9 +101,11 @@ public:
     /// Every stage runs again, in every context: its shader may be another.
     void recompute();
 
-    /// Runs the stages whose inputs have changed in this context. With a bounceInterval above 1 the
-    /// tile may be dirty afterwards: the next update, if nothing changes before, mends that.
-    Status update(osg::State& state);
+    /// Runs the stages whose inputs have changed in this context. mayContinue is asked between two
+    /// of them: where it returns false the tile stays dirty, and the next update goes on. With a
+    /// bounceInterval above 1 the tile may be dirty afterwards: the next update, if nothing changes
+    /// before, mends that.
+    Status update(osg::State& state, const std::function<bool()>& mayContinue = {});
     bool isDirty(unsigned contextID) const;
 
     /// RGBA16F, a texel per post, row 0 south: rgb = irradiance / pi, a = visible fraction of the
@@ -135,7 +138,7 @@ public:
     void resizeGLObjectBuffers(unsigned size);
 
 private:
-    ~TileLighting() override = default;
+    ~TileLight() override = default;
 
     bool skyNeeded() const { return _sky.skyEnabled; }
     bool tableNeeded() const
