@@ -142,67 +142,6 @@ TEST(SkyLight, SunAtATimeCountsFromTheMapsNorth)
     EXPECT_NEAR(sky.sunAzimuth, sun.azimuth + 10.0, 1e-12);
 }
 
-TEST(UtcTime, ReadsIso8601)
-{
-    const auto milliseconds = [](const std::string& text)
-    { return at(text).time_since_epoch().count(); };
-    EXPECT_EQ(milliseconds("1970-01-01T00:00"), 0);
-    EXPECT_EQ(milliseconds("1970-01-01T00:00:01Z"), 1000);
-    EXPECT_EQ(milliseconds("1970-01-01T00:00:00.25"), 250);
-    EXPECT_EQ(milliseconds("1970-01-01T00:00:00.1239Z"), 123);
-    EXPECT_EQ(milliseconds("1969-12-31T23:59:59"), -1000);
-    EXPECT_EQ(milliseconds("1970-01-01T01:30+01:30"), 0);
-    EXPECT_EQ(milliseconds("1969-12-31T17:00:00-07:00"), 0);
-    EXPECT_EQ(milliseconds("2000-03-01T00:00"), 951868800000); // a leap year
-    EXPECT_EQ(milliseconds("1900-01-01T00:00"), -2208988800000);
-}
-
-TEST(UtcTime, WritesWhatItReads)
-{
-    for (const char* text :
-         {"1970-01-01T00:00:00Z", "1969-12-31T23:59:59.999Z", "2024-02-29T12:34:56Z",
-          "1900-01-01T00:00:00Z", "2100-12-31T23:59:59Z"})
-        EXPECT_EQ(toString(at(text)), text);
-    EXPECT_EQ(toString(at("2024-06-21T10:30+02:00")), "2024-06-21T08:30:00Z");
-}
-
-TEST(UtcTime, RefusesWhatIsNoTimeAndKeepsTheOldOne)
-{
-    UtcTime time = at("2024-01-01T00:00");
-    for (const char* text : {"",
-                             "today",
-                             "2024-06-21",
-                             "2024-06-21 10:30",
-                             "2024-06-21T10",
-                             "2024-06-21T1030",
-                             "2024-06-21T24:00",
-                             "2024-06-21T10:60",
-                             "2024-06-21T10:30:60",
-                             "2024-06-21T10:30:",
-                             "2024-06-21T10:30:00.",
-                             "2023-02-29T00:00",
-                             "2024-13-01T00:00",
-                             "2024-00-01T00:00",
-                             "2024-06-31T00:00",
-                             "1899-12-31T23:59",
-                             "2101-01-01T00:00",
-                             "-024-06-21T10:30",
-                             "2024--6-21T10:30",
-                             "2024-06-21T10:30+2",
-                             "2024-06-21T10:30+02",
-                             "2024-06-21T10:30ZZ",
-                             "2024-06-21T10:30+24:00",
-                             "2024-06-21T-1:30",
-                             "2024-06-21T10:30 "})
-    {
-        const std::string said = readUtcTime(text, time);
-        EXPECT_NE(said.find("\"" + std::string(text) + "\": needs a time YYYY-MM-DDThh:mm"),
-                  std::string::npos)
-            << text << ": " << said;
-        EXPECT_EQ(time, at("2024-01-01T00:00"));
-    }
-}
-
 TEST(EarthPlace, ReadsLongitudeAndLatitude)
 {
     EarthPlace place{0.0, 0.0, 5.0};

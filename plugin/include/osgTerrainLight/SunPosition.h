@@ -11,9 +11,11 @@ namespace osgTerrainLight
 /// A moment of UTC, as Unix time: since 1970-01-01T00:00Z, every day of 86,400 seconds.
 using UtcTime = std::chrono::time_point<std::chrono::system_clock, std::chrono::milliseconds>;
 
-/// Reads ISO 8601: YYYY-MM-DDThh:mm[:ss[.sss]], then nothing or Z for UTC, or the zone's +hh:mm or
-/// −hh:mm. The years are 1900 … 2100, where the Earth's orbit is known to sunPosition(). Empty
-/// where it was read; else a sentence with the text and what is needed, and time is unchanged.
+/// Reads ISO 8601 and what people write for it: YYYY-MM-DD, then T, t or blanks, then
+/// hh:mm[:ss[.sss]], 00:00 … 24:00, then nothing, Z, UTC or GMT (in any case) for UTC, or the zone
+/// as +hh:mm, +hhmm or +hh (or −). What is finer than a millisecond is cut off. The years are 1900
+/// … 2100, in UTC, too, where the Earth's orbit is known to sunPosition(). Empty where it was read;
+/// else a sentence with the text, what is needed and what is wrong, and time is unchanged.
 OSGTERRAINLIGHT_EXPORT std::string readUtcTime(const std::string& text, UtcTime& time);
 
 /// "2024-06-21T10:30:00Z"; with milliseconds where there are any.

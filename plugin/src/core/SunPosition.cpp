@@ -8,7 +8,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -23,82 +22,6 @@ constexpr std::int64_t millisecondsPerDay = 86'400'000;
 /// Modified Julian Date of 1970-01-01, and what is added to such a date for a Julian one.
 constexpr int unixEpoch = 40587;
 constexpr double julianOfModified = 2'400'000.5;
-
-/// Takes a text apart from its front; every step says whether it could.
-class Scanner
-{
-public:
-    explicit Scanner(std::string_view text) : _rest(text) {}
-
-    bool number(std::size_t digits, int& value)
-    {
-        if (_rest.size() < digits)
-            return false;
-        const auto [end, error] = std::from_chars(_rest.data(), _rest.data() + digits, value);
-        // from_chars would take a sign.
-        if (error != std::errc() || end != _rest.data() + digits || _rest.front() == '-')
-            return false;
-        _rest.remove_prefix(digits);
-        return true;
-    }
-    bool one(std::string_view of)
-    {
-        if (_rest.empty() || of.find(_rest.front()) == std::string_view::npos)
-            return false;
-        _rest.remove_prefix(1);
-        return true;
-    }
-    /// Digits of a fraction of a second, in milliseconds, what is finer cut off.
-    bool milliseconds(int& value)
-    {
-        std::size_t digits = 0;
-        for (value = 0; !_rest.empty() && _rest.front() >= '0' && _rest.front() <= '9'; ++digits)
-        {
-            if (digits < 3)
-                value = 10 * value + (_rest.front() - '0');
-            _rest.remove_prefix(1);
-        }
-        for (std::size_t i = digits; i < 3; ++i)
-            value *= 10;
-        return digits > 0;
-    }
-    char next() const { return _rest.empty() ? '\0' : _rest.front(); }
-    bool done() const { return _rest.empty(); }
-
-private:
-    std::string_view _rest;
-};
-
-std::optional<UtcTime> scanTime(std::string_view text)
-{
-    Scanner scan(text);
-    int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0, millisecond = 0;
-    if (!scan.number(4, year) || !scan.one("-") || !scan.number(2, month) || !scan.one("-") ||
-        !scan.number(2, day) || !scan.one("T") || !scan.number(2, hour) || !scan.one(":") ||
-        !scan.number(2, minute))
-        return std::nullopt;
-    if (scan.one(":") &&
-        (!scan.number(2, second) || (scan.one(".") && !scan.milliseconds(millisecond))))
-        return std::nullopt;
-    int zoneHour = 0, zoneMinute = 0;
-    const int sense = scan.next() == '-' ? -1 : 1;
-    if (scan.one("+-"))
-    {
-        if (!scan.number(2, zoneHour) || !scan.one(":") || !scan.number(2, zoneMinute))
-            return std::nullopt;
-    }
-    else
-        scan.one("Z");
-    double epoch = 0.0, date = 0.0;
-    if (!scan.done() || hour > 23 || minute > 59 || second > 59 || zoneHour > 23 ||
-        zoneMinute > 59 || year < 1900 || year > 2100 ||
-        eraCal2jd(year, month, day, &epoch, &date) != 0)
-        return std::nullopt;
-    using namespace std::chrono;
-    return UtcTime(milliseconds((std::llround(date) - unixEpoch) * millisecondsPerDay)) +
-           hours(hour - sense * zoneHour) + minutes(minute - sense * zoneMinute) + seconds(second) +
-           milliseconds(millisecond);
-}
 
 /// Whole days since the epoch and milliseconds into the day.
 std::pair<std::int64_t, std::int64_t> split(UtcTime time)
@@ -125,34 +48,6 @@ std::optional<double> number(std::string_view text)
     return value;
 }
 } // namespace
-
-std::string readUtcTime(const std::string& text, UtcTime& time)
-{
-    const std::optional<UtcTime> read = scanTime(text);
-    if (!read)
-        return "\"" + text +
-               "\": needs a time YYYY-MM-DDThh:mm[:ss[.sss]][Z|+hh:mm], years 1900 ... 2100, such "
-               "as 2024-06-21T10:30Z";
-    time = *read;
-    return {};
-}
-
-std::string toString(UtcTime time)
-{
-    const auto [days, millisecond] = split(time);
-    int year = 0, month = 0, day = 0;
-    double fraction = 0.0;
-    eraJd2cal(julianOfModified, static_cast<double>(unixEpoch + days), &year, &month, &day,
-              &fraction);
-    const int seconds = static_cast<int>(millisecond / 1000);
-    const int rest = static_cast<int>(millisecond % 1000);
-    std::array<char, 64> digits{};
-    std::snprintf(digits.data(), digits.size(), "%04d-%02d-%02dT%02d:%02d:%02d", year, month, day,
-                  seconds / 3600, seconds / 60 % 60, seconds % 60);
-    std::string result = digits.data();
-    std::snprintf(digits.data(), digits.size(), ".%03d", rest);
-    return result + (rest ? digits.data() : "") + "Z";
-}
 
 std::string EarthPlace::complaint() const
 {
