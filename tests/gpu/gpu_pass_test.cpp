@@ -11,12 +11,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <numeric>
 #include <set>
 
 #ifndef GL_CURRENT_PROGRAM
 #define GL_CURRENT_PROGRAM 0x8B8D
+#endif
+
+#ifndef GL_SHADER_STORAGE_BUFFER_BINDING
+#define GL_SHADER_STORAGE_BUFFER_BINDING 0x90D3
 #endif
 
 using namespace osgTerrainLight;
@@ -306,6 +311,162 @@ void main()
     }
     const osg::ref_ptr<osg::StateSet> nothing = new osg::StateSet;
     state.apply(nothing);
+}
+
+TEST_F(GpuPassTest, WritesAndReadsAllSlicesOfAVolume)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    const ShaderFile fill("passes/test_volume_fill.comp", R"(
+layout(local_size_x = 1) in;
+layout(r32f, binding = 0) writeonly uniform image3D volume;
+void main()
+{
+    ivec3 at = ivec3(gl_GlobalInvocationID);
+    imageStore(volume, at, vec4(at.x + 10 * at.y + 100 * at.z));
+}
+)");
+    // Reads a volume as a sampler, filtered half-way to the next slice, and as an image.
+    const ShaderFile use("passes/test_volume_use.comp", R"(
+layout(local_size_x = 1) in;
+uniform sampler3D volume;
+layout(r32f, binding = 0) uniform image3D sum;
+void main()
+{
+    ivec3 at = ivec3(gl_GlobalInvocationID);
+    vec3 place = (vec3(at) + vec3(0.5, 0.5, 1.0)) / vec3(textureSize(volume, 0));
+    float value = imageLoad(sum, at).x + textureLod(volume, place, 0.0).x;
+    imageStore(sum, at, vec4(value));
+}
+)");
+    const int columns = 3, rows = 2, slices = 4;
+    const osg::ref_ptr<GpuPass> first = new GpuPass("test_volume_fill");
+    const osg::ref_ptr<GpuPass> second = new GpuPass("test_volume_use");
+    const auto volume = createVolumeTarget(columns, rows, slices, GL_R32F);
+    const auto sum = createVolumeTarget(columns, rows, slices, GL_R32F);
+    EXPECT_EQ(textureBytes(*volume), std::size_t(4 * columns * rows * slices));
+    for (int round = 0; round < 2; ++round) // the second with textures that were released
+    {
+        first->writes(0, volume);
+        ASSERT_TRUE(first->dispatch(state, {columns, rows, slices}).ok());
+        first->writes(0, sum);
+        ASSERT_TRUE(first->dispatch(state, {columns, rows, slices}).ok());
+        second->reads("volume", volume);
+        second->writes(0, sum, GpuPass::Access::ReadWrite);
+        const Status done = second->dispatch(state, {columns, rows, slices});
+        ASSERT_TRUE(done.ok()) << done.error().message;
+        EXPECT_EQ(takeGlErrors(), "");
+        std::vector<float> written, summed;
+        for (int z = 0; z < slices; ++z)
+            for (int y = 0; y < rows; ++y)
+                for (int x = 0; x < columns; ++x)
+                {
+                    // Beyond the last slice's middle is the last slice.
+                    const float next = float(std::min(z + 1, slices - 1));
+                    written.push_back(float(x + 10 * y + 100 * z));
+                    summed.push_back(2.0f * float(x + 10 * y) + 100.0f * float(z) +
+                                     50.0f * (float(z) + next));
+                }
+        EXPECT_EQ(readFloats(state, *volume, 1), written);
+        EXPECT_EQ(readFloats(state, *sum, 1), summed);
+        EXPECT_EQ(takeGlErrors(), "");
+        volume->releaseGLObjects(&state);
+        sum->releaseGLObjects(&state);
+    }
+}
+
+TEST_F(GpuPassTest, PassesShareAStorageBuffer)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    const ShaderFile file("passes/test_storage.comp", R"(
+layout(local_size_x = 1) in;
+layout(std430, binding = 0) readonly buffer Added { float added[]; };
+layout(std430, binding = 3) buffer Sums { float sums[]; };
+layout(std430, binding = 1) buffer Counter { uint counter; };
+void main()
+{
+    uint i = gl_GlobalInvocationID.x;
+    sums[i] += added[i];
+    atomicAdd(counter, 1u);
+}
+)");
+    const osg::ref_ptr<osg::FloatArray> added = new osg::FloatArray;
+    const osg::ref_ptr<osg::FloatArray> sums = new osg::FloatArray;
+    const osg::ref_ptr<osg::UIntArray> counter = new osg::UIntArray(1);
+    for (int i = 0; i < 5; ++i)
+    {
+        added->push_back(float(i));
+        sums->push_back(100.0f);
+    }
+    const auto makePass = [&]
+    {
+        osg::ref_ptr<GpuPass> pass = new GpuPass("test_storage");
+        pass->setStorage(0, added);
+        pass->setStorage(3, sums);
+        pass->setStorage(1, counter);
+        return pass;
+    };
+    readStorage(state, *counter); // no pass has used it
+    EXPECT_EQ((*counter)[0], 0u);
+    // Two passes in turn, each upon what the other left: the barrier between them is the pass's.
+    const osg::ref_ptr<GpuPass> passes[] = {makePass(), makePass()};
+    for (int i = 0; i < 10; ++i)
+    {
+        const Status done = passes[i % 2]->dispatch(state, {5, 1, 1});
+        ASSERT_TRUE(done.ok()) << done.error().message;
+        EXPECT_EQ(integer(GL_SHADER_STORAGE_BUFFER_BINDING), 0);
+    }
+    readStorage(state, *sums);
+    readStorage(state, *counter);
+    EXPECT_EQ((*counter)[0], 50u);
+    for (int i = 0; i < 5; ++i)
+        EXPECT_EQ((*sums)[static_cast<std::size_t>(i)], 100.0f + 10.0f * float(i));
+    // A dirty array is uploaded anew; the others keep what the GPU has.
+    for (float& value : *added)
+        value = -1.0f;
+    added->dirty();
+    ASSERT_TRUE(passes[0]->dispatch(state, {5, 1, 1}).ok());
+    readStorage(state, *sums);
+    for (int i = 0; i < 5; ++i)
+        EXPECT_EQ((*sums)[static_cast<std::size_t>(i)], 99.0f + 10.0f * float(i));
+    EXPECT_EQ(takeGlErrors(), "");
+}
+
+TEST_F(GpuPassTest, ReadsSeveralBlocks)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    const ShaderFile file("passes/test_blocks.comp", R"(
+layout(local_size_x = 1) in;
+layout(r32f, binding = 0) writeonly uniform image2D result;
+layout(std140, binding = 0) uniform First { vec4 first[2]; };
+layout(std140, binding = 2) uniform Second { vec4 second[3]; };
+void main()
+{
+    int i = int(gl_GlobalInvocationID.x);
+    imageStore(result, ivec2(i, 0), vec4((i < 2 ? first[i] : second[i - 2]).y));
+}
+)");
+    const osg::ref_ptr<GpuPass> pass = new GpuPass("test_blocks");
+    const auto result = createTarget(5, 1, GL_R32F);
+    pass->writes(0, result);
+    for (int round = 0; round < 2; ++round)
+    {
+        const float base = 10.0f * float(round);
+        pass->setBlock({{0.0f, base + 1.0f, 0.0f, 0.0f}, {0.0f, base + 2.0f, 0.0f, 0.0f}});
+        pass->setBlock({{0.0f, base + 3.0f, 0.0f, 0.0f},
+                        {0.0f, base + 4.0f, 0.0f, 0.0f},
+                        {0.0f, base + 5.0f, 0.0f, 0.0f}},
+                       2);
+        const Status done = pass->dispatch(state, {5, 1, 1});
+        ASSERT_TRUE(done.ok()) << done.error().message;
+        EXPECT_EQ(
+            readFloats(state, *result, 1),
+            (std::vector<float>{base + 1.0f, base + 2.0f, base + 3.0f, base + 4.0f, base + 5.0f}));
+        pass->releaseGLObjects(&state);
+        EXPECT_EQ(takeGlErrors(), "");
+    }
 }
 
 TEST_F(GpuPassTest, StateOfOsgHoldsAfterwards)

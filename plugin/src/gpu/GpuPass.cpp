@@ -50,16 +50,25 @@ void GpuPass::set(const std::string& uniform, int x, int y)
     set(pair);
 }
 
-void GpuPass::setBlock(const std::vector<osg::Vec4f>& values)
+void GpuPass::setBlock(const std::vector<osg::Vec4f>& values, unsigned binding)
 {
-    if (!_blockValues || _blockValues->size() != values.size())
+    osg::ref_ptr<osg::UniformBufferBinding>& block = _blocks[binding];
+    auto* held = block ? static_cast<osg::Vec4Array*>(block->getBufferData()) : nullptr;
+    if (!held || held->size() != values.size())
     {
-        _blockValues = new osg::Vec4Array(static_cast<unsigned>(values.size()));
-        _blockValues->setBufferObject(new osg::UniformBufferObject);
-        _block = new osg::UniformBufferBinding(0, _blockValues);
+        held = new osg::Vec4Array(static_cast<unsigned>(values.size()));
+        held->setBufferObject(new osg::UniformBufferObject);
+        block = new osg::UniformBufferBinding(binding, held);
     }
-    std::copy(values.begin(), values.end(), _blockValues->begin());
-    _blockValues->dirty();
+    std::copy(values.begin(), values.end(), held->begin());
+    held->dirty();
+}
+
+void GpuPass::setStorage(unsigned binding, osg::Array* values)
+{
+    if (!values->getBufferObject())
+        values->setBufferObject(new osg::ShaderStorageBufferObject);
+    _storage[binding] = new osg::ShaderStorageBufferBinding(binding, values);
 }
 
 unsigned GpuPass::groupsFor(int count, int size)
@@ -126,53 +135,90 @@ Status GpuPass::dispatch(osg::State& state, Groups groups)
     const osg::Program::PerContextProgram* linked = _program->getPCP(state);
     for (const auto& [name, uniform] : _uniforms)
         linked->apply(*uniform);
-    if (_block)
-        _block->apply(state);
+    for (const auto& [binding, block] : _blocks)
+        block->apply(state);
+    for (const auto& [binding, storage] : _storage)
+        storage->apply(state);
+    bindImages(state);
+    extensions->glDispatchCompute(groups.x, groups.y, groups.z);
+    GLbitfield barriers = GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                          GL_TEXTURE_UPDATE_BARRIER_BIT;
+    if (!_storage.empty())
+        barriers |= GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT;
+    extensions->glMemoryBarrier(barriers);
+    leave(state);
+    return Nothing{};
+}
 
+void GpuPass::bindImages(osg::State& state) const
+{
+    const auto* extensions = state.get<osg::GLExtensions>();
     for (std::size_t unit = 0; unit < _outputs.size(); ++unit)
     {
         const Output& output = _outputs[unit];
         const GLenum target = output.texture->getTextureTarget();
-        const bool layered = target == GL_TEXTURE_2D_ARRAY_EXT || target == GL_TEXTURE_CUBE_MAP;
+        const bool layered = target == GL_TEXTURE_2D_ARRAY_EXT || target == GL_TEXTURE_CUBE_MAP ||
+                             target == GL_TEXTURE_3D;
         extensions->glBindImageTexture(
-            static_cast<GLuint>(unit), output.texture->getTextureObject(context)->id(), 0,
-            layered ? GL_TRUE : GL_FALSE, 0,
+            static_cast<GLuint>(unit), output.texture->getTextureObject(state.getContextID())->id(),
+            0, layered ? GL_TRUE : GL_FALSE, 0,
             output.access == Access::Write ? GL_WRITE_ONLY : GL_READ_WRITE,
             static_cast<GLenum>(output.texture->getInternalFormat()));
     }
-    extensions->glDispatchCompute(groups.x, groups.y, groups.z);
-    extensions->glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                                GL_TEXTURE_UPDATE_BARRIER_BIT);
+}
 
-    // What OSG believes of the state must be what it is.
+// What OSG believes of the state must be what it is.
+void GpuPass::leave(osg::State& state) const
+{
+    const auto* extensions = state.get<osg::GLExtensions>();
     extensions->glUseProgram(0);
     state.setLastAppliedProgramObject(nullptr);
     state.haveAppliedAttribute(osg::StateAttribute::PROGRAM);
-    if (_block)
+    for (const auto& [binding, block] : _blocks)
     {
-        extensions->glBindBufferBase(GL_UNIFORM_BUFFER, 0, 0);
-        state.haveAppliedAttribute(osg::StateAttribute::UNIFORMBUFFERBINDING, 0);
+        extensions->glBindBufferBase(GL_UNIFORM_BUFFER, binding, 0);
+        state.haveAppliedAttribute(osg::StateAttribute::UNIFORMBUFFERBINDING, binding);
+    }
+    for (const auto& [binding, storage] : _storage)
+    {
+        extensions->glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, 0);
+        state.haveAppliedAttribute(osg::StateAttribute::SHADERSTORAGEBUFFERBINDING, binding);
     }
     for (std::size_t unit = 0; unit <= _inputs.size(); ++unit)
         state.haveAppliedTextureAttribute(static_cast<unsigned>(unit),
                                           osg::StateAttribute::TEXTURE);
-    return Nothing{};
 }
 
 void GpuPass::releaseGLObjects(osg::State* state) const
 {
     if (_program)
         _program->releaseGLObjects(state);
-    if (_blockValues)
-        _blockValues->releaseGLObjects(state);
+    for (const auto& [binding, block] : _blocks)
+        block->getBufferData()->releaseGLObjects(state);
 }
 
 void GpuPass::resizeGLObjectBuffers(unsigned size)
 {
     if (_program)
         _program->resizeGLObjectBuffers(size);
-    if (_blockValues)
-        _blockValues->resizeGLObjectBuffers(size);
+    for (const auto& [binding, block] : _blocks)
+        block->getBufferData()->resizeGLObjectBuffers(size);
+}
+
+void readStorage(osg::State& state, osg::Array& values)
+{
+    osg::BufferObject* buffer = values.getBufferObject();
+    const osg::GLBufferObject* object =
+        buffer ? buffer->getGLBufferObject(state.getContextID()) : nullptr;
+    if (!object)
+        return;
+    const auto* extensions = state.get<osg::GLExtensions>();
+    extensions->glBindBuffer(GL_SHADER_STORAGE_BUFFER, object->getGLObjectID());
+    extensions->glGetBufferSubData(
+        GL_SHADER_STORAGE_BUFFER, static_cast<GLintptr>(object->getOffset(values.getBufferIndex())),
+        static_cast<GLsizeiptr>(values.getTotalDataSize()),
+        const_cast<void*>(values.getDataPointer())); // OSG's arrays give no other way in
+    extensions->glBindBuffer(GL_SHADER_STORAGE_BUFFER, 0);
 }
 
 } // namespace osgTerrainLight

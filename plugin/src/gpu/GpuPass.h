@@ -45,7 +45,7 @@ public:
         ReadWrite
     };
     /// Declares that image unit `unit` is written, or read and written. Units are declared from 0
-    /// up.
+    /// up. Arrays, cube maps and 3D textures are bound with all their layers, faces or slices.
     void writes(unsigned unit, osg::Texture* texture, Access access = Access::Write);
 
     template <class T>
@@ -60,10 +60,15 @@ public:
     void set(const std::string& uniform, int x, int y);
     void set(osg::Uniform* uniform) { _uniforms[uniform->getName()] = uniform; }
 
-    /// The contents of the shader's uniform block, if it has one: binding 0, layout std140, arrays
-    /// of vec4, as many values as the block declares. Tables belong there: OpenGL guarantees a
-    /// compute shader 256 vectors in plain uniforms, and 1024 in a block.
-    void setBlock(const std::vector<osg::Vec4f>& values);
+    /// The contents of the shader's uniform block at `binding`: layout std140, arrays of vec4, as
+    /// many values as the block declares. Tables belong there: OpenGL guarantees a compute shader
+    /// 256 vectors in plain uniforms, and 1024 in each of 12 blocks.
+    void setBlock(const std::vector<osg::Vec4f>& values, unsigned binding = 0);
+
+    /// Declares that the shader storage block at `binding` (layout std430) reads and writes a
+    /// buffer of these values. Passes share a buffer by naming the same array. The array's content
+    /// is uploaded at first and whenever it is dirty; readStorage() brings back what shaders wrote.
+    void setStorage(unsigned binding, osg::Array* values);
 
     struct Groups
     {
@@ -83,6 +88,8 @@ public:
 private:
     ~GpuPass() override = default;
     Status build(osg::State& state);
+    void bindImages(osg::State& state) const;
+    void leave(osg::State& state) const;
 
     struct Input
     {
@@ -100,11 +107,15 @@ private:
     std::vector<Input> _inputs;
     std::vector<Output> _outputs;
     std::map<std::string, osg::ref_ptr<osg::Uniform>> _uniforms;
-    osg::ref_ptr<osg::Vec4Array> _blockValues;
-    osg::ref_ptr<osg::UniformBufferBinding> _block;
+    std::map<unsigned, osg::ref_ptr<osg::UniformBufferBinding>> _blocks;
+    std::map<unsigned, osg::ref_ptr<osg::ShaderStorageBufferBinding>> _storage;
     osg::ref_ptr<osg::Program> _program;
     std::vector<ComposedShader::Part> _parts;
     long long _revision = -1;
 };
+
+/// Copies the GPU's content of a storage buffer into its array, which stays as it was where no pass
+/// has used it yet. Needs a current context.
+OSGTERRAINLIGHT_EXPORT void readStorage(osg::State& state, osg::Array& values);
 
 } // namespace osgTerrainLight

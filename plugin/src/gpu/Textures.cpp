@@ -51,23 +51,35 @@ void prepare(osg::Texture& texture, const Format& format)
     texture.setFilter(osg::Texture::MAG_FILTER, filter);
     texture.setWrap(osg::Texture::WRAP_S, osg::Texture::CLAMP_TO_EDGE);
     texture.setWrap(osg::Texture::WRAP_T, osg::Texture::CLAMP_TO_EDGE);
+    texture.setWrap(osg::Texture::WRAP_R, osg::Texture::CLAMP_TO_EDGE);
     texture.setResizeNonPowerOfTwoHint(false);
 }
 
-/// Allocates an array without content. Left to itself, OSG takes a released array of the same kind
-/// and asks for immutable storage a second time, which OpenGL refuses with an error.
-class LayeredAllocation : public osg::Texture2DArray::SubloadCallback
+/// Allocates an array or a volume without content. Left to itself, OSG takes a released texture of
+/// the same kind and asks for immutable storage a second time, which OpenGL refuses with an error.
+template <class Texture>
+class LayeredAllocation : public Texture::SubloadCallback
 {
 public:
-    void load(const osg::Texture2DArray& texture, osg::State& state) const override
+    void load(const Texture& texture, osg::State& state) const override
     {
         state.get<osg::GLExtensions>()->glTexImage3D(
-            GL_TEXTURE_2D_ARRAY_EXT, 0, static_cast<GLenum>(texture.getInternalFormat()),
+            texture.getTextureTarget(), 0, static_cast<GLenum>(texture.getInternalFormat()),
             texture.getTextureWidth(), texture.getTextureHeight(), texture.getTextureDepth(), 0,
             texture.getSourceFormat(), texture.getSourceType(), nullptr);
     }
-    void subload(const osg::Texture2DArray&, osg::State&) const override {}
+    void subload(const Texture&, osg::State&) const override {}
 };
+
+template <class Texture>
+osg::ref_ptr<Texture> createLayered(int width, int height, int layers, GLint internalFormat)
+{
+    osg::ref_ptr<Texture> texture = new Texture;
+    prepare(*texture, formatOf(internalFormat));
+    texture->setTextureSize(width, height, layers);
+    texture->setSubloadCallback(new LayeredAllocation<Texture>);
+    return texture;
+}
 
 template <class T>
 std::vector<T> read(osg::State& state, osg::Texture& texture, GLenum format, GLenum type,
@@ -152,11 +164,13 @@ osg::ref_ptr<osg::Texture2D> createTarget(int width, int height, GLint internalF
 osg::ref_ptr<osg::Texture2DArray> createLayeredTarget(int width, int height, int layers,
                                                       GLint internalFormat)
 {
-    osg::ref_ptr<osg::Texture2DArray> texture = new osg::Texture2DArray;
-    prepare(*texture, formatOf(internalFormat));
-    texture->setTextureSize(width, height, layers);
-    texture->setSubloadCallback(new LayeredAllocation);
-    return texture;
+    return createLayered<osg::Texture2DArray>(width, height, layers, internalFormat);
+}
+
+osg::ref_ptr<osg::Texture3D> createVolumeTarget(int width, int height, int depth,
+                                                GLint internalFormat)
+{
+    return createLayered<osg::Texture3D>(width, height, depth, internalFormat);
 }
 
 std::size_t textureBytes(const osg::Texture& texture)

@@ -8,6 +8,7 @@
 #include <osg/State>
 #include <osg/Texture2D>
 #include <osg/Texture2DArray>
+#include <osg/Texture3D>
 
 #include <array>
 #include <cstddef>
@@ -39,12 +40,14 @@ OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Texture2D> createTarget(int width, int 
                                                                  GLint internalFormat);
 OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Texture2DArray>
 createLayeredTarget(int width, int height, int layers, GLint internalFormat);
+OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Texture3D>
+createVolumeTarget(int width, int height, int depth, GLint internalFormat);
 
 /// Bytes that a texture made by these functions takes on the GPU.
 OSGTERRAINLIGHT_EXPORT std::size_t textureBytes(const osg::Texture& texture);
 
-/// Content of a GPU texture, layer after layer, row 0 first. Needs a current context in which the
-/// texture was written.
+/// Content of a GPU texture, layer after layer (slice after slice), row 0 first. Needs a current
+/// context in which the texture was written.
 OSGTERRAINLIGHT_EXPORT std::vector<float> readFloats(osg::State& state, osg::Texture& texture,
                                                      int channels);
 OSGTERRAINLIGHT_EXPORT std::vector<std::uint16_t> readUnorm16(osg::State& state,
