@@ -1,43 +1,64 @@
 #!/usr/bin/env bash
-# Plants one fault at a time in a copy of the shaders and expects the hard cases to fail.
+# Plants one fault at a time in a copy of the shaders and expects tests to fail.
 # Usage: tests/hard_cases/mutations.sh [BUILD] [NAME...], default build/ and all mutations. Prints per
 # mutation the test that failed first; exits non-zero where one survives or does not compile.
-# A mutation is a name, a file below shaders/ and a sed command that must change it.
+# mutations.sh --check: only that every mutation changes its file; needs no build.
+# A mutation is a name, a file below shaders/, a sed command that must change it, and the tests that
+# catch it, PROGRAM:GTEST_FILTER; the hard cases if none are named.
 set -euo pipefail
 root=$(realpath "$(dirname "${BASH_SOURCE[0]}")/../..")
-program=$(realpath "${1:-$root/build}")/bin/hard_cases_tests
+check=
+if [[ ${1:-} == --check ]]; then
+  check=1
+else
+  programs=$(realpath "${1:-$root/build}")/bin
+fi
 shift || true
-[[ -x $program ]] || { echo "$program: not built (target hard_cases_tests)"; exit 2; }
+wanted=("$@")
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-survived=0
+count=0
+failed=0
+
+complain()
+{
+  echo "$1"
+  failed=$((failed + 1))
+}
+
+# run PROGRAM:FILTER; the log goes to $folder/log. 0 where all tests pass.
+run()
+{
+  local program=$programs/${1%%:*}
+  [[ -x $program ]] || { echo "$program: not built"; exit 2; }
+  OSGTERRAINLIGHT_SHADERS=$folder "$program" --gtest_fail_fast --gtest_filter="${1#*:}" \
+    >"$folder/log" 2>&1
+}
 
 mutate()
 {
-  local name=$1 file=$2 command=$3 start=$SECONDS
-  shift 3
+  local name=$1 file=$2 command=$3 tests=${4:-hard_cases_tests:*} start=$SECONDS
   [[ ${#wanted[@]} -eq 0 || " ${wanted[*]} " == *" $name "* ]] || return 0
+  count=$((count + 1))
   rm -rf "${folder:?}"/*
   mkdir -p "$folder/$(dirname "$file")"
+  [[ -f $root/shaders/$file ]] || { complain "$name: no file shaders/$file"; return 0; }
   sed -E "$command" "$root/shaders/$file" >"$folder/$file"
   if cmp -s "$root/shaders/$file" "$folder/$file"; then
-    echo "$name: the sed command changes nothing in shaders/$file"
-    survived=$((survived + 1))
+    complain "$name: the sed command changes nothing in shaders/$file"
+  elif [[ -n $check ]]; then
     return 0
-  fi
-  if OSGTERRAINLIGHT_SHADERS=$folder "$program" --gtest_fail_fast >"$folder/log" 2>&1; then
-    echo "$name: SURVIVES"
-    survived=$((survived + 1))
+  elif run "$tests"; then
+    complain "$name: SURVIVES"
   elif grep -q 'does not compile' "$folder/log"; then
-    echo "$name: does not compile"
-    survived=$((survived + 1))
+    complain "$name: does not compile"
   else
-    echo "$name: $(grep -m 1 '^\[  FAILED  \]' "$folder/log" | sed -E 's/.*\] ([^ ]+).*/\1/') ($((SECONDS - start)) s)"
-    grep -m 1 -A 2 ': Failure' "$folder/log" | sed -n '3s/^/    /p'
+    echo "$name: $(grep -m 1 '^\[  FAILED  \]' "$folder/log" |
+      sed -E 's/.*\] ([^ ]+).*/\1/') ($((SECONDS - start)) s)"
+    grep -m 1 -A 2 ': Failure' "$folder/log" | sed -n '3s/^/    /p' || true # a crash has no such line
   fi
 }
 
-wanted=("$@")
 mutate slope-sign lib/surface.glsl 's/vec3\(-east \*/vec3(east */'
 mutate normal-spacings lib/surface.glsl \
   's/-east \* northSpacing, -north \* eastSpacing/-east * eastSpacing, -north * northSpacing/'
@@ -61,7 +82,7 @@ mutate near-step-length passes/horizon_near.comp 's/found\.slopes\[i\] \/ stepLe
 mutate sweep-reach passes/horizon_sweep.comp 's/walked - reach - 1/walked - reach - 2/'
 mutate sweep-look passes/horizon_sweep.comp 's/look > 0 \? high : low/high/'
 mutate sweep-exit passes/horizon_sweep.comp 's/, floor\(exit\)\);/, 1.0e9);/'
-mutate shade-half passes/shade.comp 's/bits \+ 0x1000u/bits/'
+mutate shade-half preamble.glsl 's/bits \+ 0x1000u/bits/'
 mutate sun-side lib/sky.glsl 's/place < real\(0\.0\) \? left : right/left/'
 mutate sweep-drift passes/horizon_sweep.comp 's/float turn = drift \* float\(look\)/float turn = drift/'
 mutate sweep-step-length passes/horizon_sweep.comp 's/slope \/ stepLength/slope/'
@@ -70,7 +91,11 @@ mutate sweep-overflow passes/horizon_sweep.comp 's/vertices > HULL_CAPACITY - CH
 mutate code-rounding lib/angle.glsl 's/ \+ real\(0\.5\)\) \+ real\(32768/) + real(32768/'
 mutate code-sign lib/angle.glsl 's/slope < real\(0\.0\) \? -angle : angle/angle/'
 mutate azimuth-off-by-one passes/sky_view.comp 's/float\(k\);/float(k + 1);/'
-mutate sun-edge-below-level passes/shade.comp 's/max\(elevationOfCode\(code\), 0\.0\)/elevationOfCode(code)/'
+mutate sun-edge-below-level lights.glsl \
+  's/max\(elevationOfCode\((.*)\), 0\.0\);/elevationOfCode(\1);/'
 mutate sun-behind passes/shade.comp 's/max\(dot\(normal, sunDirection\), 0\.0\)/abs(dot(normal, sunDirection))/'
 mutate shade-void passes/shade.comp 's/if \(isVoid\(postHeight\(heights, post \+ frame\)\)\)/if (false)/'
-exit $((survived > 0))
+
+[[ $count -gt 0 ]] || complain "no mutation of the name ${wanted[*]}"
+echo "$count mutations, $failed failed"
+exit $((failed > 0))
