@@ -4,15 +4,31 @@
 
 #include <glm/glm.hpp>
 
-#include <cassert>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 namespace osgTerrainLight
 {
 
+/// Whether the library's own calls of shared functions check their preconditions.
+#ifdef NDEBUG
+constexpr bool glslChecked = false;
+#else
+constexpr bool glslChecked = true;
+#endif
+
+[[noreturn]] inline void glslAssertionFailed(const char* condition, const char* file, int line)
+{
+    std::fprintf(stderr, "%s:%d: precondition '%s' does not hold\n", file, line, condition);
+    std::abort();
+}
+
 /// C++ side of the dialect that shaders/lib shares with GLSL: every function of shaders/lib as a
-/// member, in the precision of Real (float or double). The other side is preamble.glsl.
-template <class Real>
+/// member, in the precision of Real (float or double). The other side is preamble.glsl. Checked: a
+/// call that breaks a function's precondition ends the program, in any build; a type of its own,
+/// so that tests can check where the library does not.
+template <class Real, bool Checked = glslChecked>
 struct Glsl
 {
     using real = Real;
@@ -56,7 +72,8 @@ struct Glsl
     static vec3 normalize(const vec3& a) { return glm::normalize(a); }
 
 #define GLSL_CONST static constexpr
-#define GLSL_ASSERT(condition) assert(condition)
+#define GLSL_ASSERT(condition)                                                                     \
+    (!Checked || (condition) ? void() : glslAssertionFailed(#condition, __FILE__, __LINE__))
 #include "lib/all.glsl"
 #undef GLSL_CONST
 #undef GLSL_ASSERT

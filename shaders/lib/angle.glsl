@@ -3,8 +3,20 @@
 GLSL_CONST real PI = real(3.14159265358979323846);
 GLSL_CONST real HALF_PI = real(1.57079632679489661923);
 
-// atan(slope) [rad], any slope. Polynomial of Abramowitz and Stegun 4.4.49: error below 2e-8 rad plus
-// rounding. GLSL's own atan may differ from driver to driver; this one gives the same map on all.
+// Whether a vector, or a cosine with its sine, has unit length but for rounding: for preconditions.
+bool isUnit(vec3 v)
+{
+    return abs(dot(v, v) - real(1.0)) < real(1.0e-4);
+}
+
+bool isUnitPair(real cosine, real sine)
+{
+    return abs(cosine * cosine + sine * sine - real(1.0)) < real(1.0e-4);
+}
+
+// atan(slope) [rad], any slope. Polynomial of Abramowitz and Stegun 4.4.49: error below 2e-8 rad
+// plus rounding. GLSL's own atan may differ from driver to driver; this one gives the same map on
+// all.
 Angle elevationOfSlope(Slope slope)
 {
     real size = abs(slope);
@@ -34,7 +46,9 @@ real codeOfElevation(Angle elevation)
     return clamp(level, real(1.0), real(65535.0)) / real(65535.0);
 }
 
+// code: 0 ... 1
 Angle elevationOfCode(real code)
 {
+    GLSL_ASSERT(code >= real(0.0) && code <= real(1.0));
     return (code * real(65535.0) - real(32768.0)) * (HALF_PI / real(32767.0));
 }

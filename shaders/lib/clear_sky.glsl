@@ -1,23 +1,26 @@
 // Skies that are computed. Directions are unit vectors: x east, y north, z up, z >= 0.
 
-// Luminance of the CIE overcast sky over that of its zenith (Moon and Spencer 1942; CIE S 011, type 16):
-// a third at the horizontal.
+// Luminance of the CIE overcast sky over that of its zenith (Moon and Spencer 1942; CIE S 011, type
+// 16): a third at the horizontal.
 real overcastGradation(real z)
 {
+    GLSL_ASSERT(z >= real(0.0) && z <= real(1.0));
     return (real(1.0) + real(2.0) * z) / real(3.0);
 }
 
 // Angle between unit vectors [rad], exact for small ones too.
 Angle angleBetween(vec3 a, vec3 b)
 {
+    GLSL_ASSERT(isUnit(a) && isUnit(b));
     return real(2.0) * elevationOfSlope(length(a - b) / max(length(a + b), real(1.0e-6)));
 }
 
-// Relative luminance of a clear sky (Perez, Seals and Michalsky 1993, Eq. 1): darker or brighter towards
-// the horizontal by abcd.x and y, brighter about the sun by abcd.z and w, and by e where light is
-// scattered forwards and backwards. b < 0. gamma: from the sun.
+// Relative luminance of a clear sky (Perez, Seals and Michalsky 1993, Eq. 1): darker or brighter
+// towards the horizontal by abcd.x and y, brighter about the sun by abcd.z and w, and by e where
+// light is scattered forwards and backwards. abcd.y < 0; z > 0; gamma: from the sun.
 real perez(vec4 abcd, real e, real z, Angle gamma, real cosGamma)
 {
+    GLSL_ASSERT(abcd.y < real(0.0) && z > real(0.0));
     return (real(1.0) + abcd.x * exp(abcd.y / z)) *
            (real(1.0) + abcd.z * exp(abcd.w * gamma) + e * cosGamma * cosGamma);
 }
@@ -26,8 +29,8 @@ real perez(vec4 abcd, real e, real z, Angle gamma, real cosGamma)
 struct ClearSky
 {
     vec3 sun;
-    // Of luminance, x and y (Preetham, Shirley and Smits 1999, appendix A.2): Perez's coefficients, and what
-    // they are multiplied by, so that the zenith has its value.
+    // Of luminance, x and y (Preetham, Shirley and Smits 1999, appendix A.2): Perez's coefficients,
+    // and what they are multiplied by, so that the zenith has its value.
     vec4 luminance;
     vec4 x;
     vec4 y;

@@ -1,7 +1,8 @@
-// Light from all around: spherical harmonics of any order up to 6, the kernels that they are convolved
-// with, and the directions of a cube map (King 2005).
+// Light from all around: spherical harmonics of any order up to 6, the kernels that they are
+// convolved with, and the directions of a cube map (King 2005).
 //
-// The basis is that of legendre.glsl, continued: real, without the sign (-1)^m, (l, m) at l (l + 1) + m.
+// The basis is that of legendre.glsl, continued: real, without the sign (-1)^m, (l, m) at l (l + 1)
+// + m.
 
 // The basis at a direction, of order 6: the first 4, 9, 16, 25 are that of a lower order.
 struct ShTerms
@@ -9,13 +10,15 @@ struct ShTerms
     real y[36];
 };
 
-// d: unit (x east, y north, z up). Y of (l, +-m) is a polynomial in z, by the recurrence of the normalised
-// associated Legendre functions less their power of sin(zenith angle), times the real and the imaginary part
-// of (x + i y)^m: no angle is needed, and nothing is divided by at the poles. The recurrence's numbers are
-// sqrt((4 l^2 - 1) / (l^2 - m^2)) and that times sqrt(((l - 1)^2 - m^2) / (4 (l - 1)^2 - 1)); it begins
-// with Y of (m, m). Written out: a loop would index the array by what compilers take for unknown.
+// d: unit (x east, y north, z up). Y of (l, +-m) is a polynomial in z, by the recurrence of the
+// normalised associated Legendre functions less their power of sin(zenith angle), times the real
+// and the imaginary part of (x + i y)^m: no angle is needed, and nothing is divided by at the
+// poles. The recurrence's numbers are sqrt((4 l^2 - 1) / (l^2 - m^2)) and that times sqrt(((l -
+// 1)^2 - m^2) / (4 (l - 1)^2 - 1)); it begins with Y of (m, m). Written out: a loop would index the
+// array by what compilers take for unknown.
 ShTerms shTerms(vec3 d)
 {
+    GLSL_ASSERT(isUnit(d));
     ShTerms terms;
     real q0 = real(0.28209479177387813964);
     terms.y[0] = q0;
@@ -113,6 +116,7 @@ ShBands lambertBands()
 // Of the Phong lobe (s + 1) / (2 pi) max(cosine, 0)^s, which integrates to 1. s >= 1; exact.
 ShBands phongBands(real s)
 {
+    GLSL_ASSERT(s >= real(1.0));
     ShBands bands;
     bands.b[0] = real(1.0);
     bands.b[1] = (s + real(1.0)) / (s + real(2.0));
@@ -121,10 +125,12 @@ ShBands phongBands(real s)
     return bands;
 }
 
-// Direction, not of unit length, to a place on a face of an OpenGL cube map, +x, -x, +y, -y, +z, -z: across
-// and down, -1 ... 1 (OpenGL 4.3, table 8.18).
+// Direction, not of unit length, to a place on a face of an OpenGL cube map, +x, -x, +y, -y, +z,
+// -z: across and down, -1 ... 1 (OpenGL 4.3, table 8.18).
 vec3 cubeDirection(int face, real across, real down)
 {
+    GLSL_ASSERT(face >= 0 && face < 6);
+    GLSL_ASSERT(max(abs(across), abs(down)) <= real(1.0));
     real side = face % 2 == 0 ? real(1.0) : real(-1.0);
     vec3 d = vec3(side, -down, -side * across);
     if (face / 2 == 1)

@@ -17,7 +17,8 @@ struct NearSlopes
 };
 
 // Where two neighbouring crossings stand on a ray, 0 < s1 < s2, in the products that insideMaximum
-// needs: the same for all receivers of a call.
+// needs: the same for all receivers of a call. Not asserted: for a cell that is only grazed s1 is
+// s2, and scanColumn uses nothing of it.
 struct Interval
 {
     real near;        // s1
@@ -141,10 +142,11 @@ NearScan scanColumn(sampler2D heights, NearRays rays, NearScan scan, int column)
     return scan;
 }
 
-// Horizon slope [m per step] of each receiver over the first `reach` steps of its ray, exact for
-// the bilinear surface: every column and row crossing, and the maximum within each cell.
+// Horizon slope [m per step] of each receiver over the first `reach` >= 0 steps of its ray, exact
+// for the bilinear surface: every column and row crossing, and the maximum within each cell.
 NearSlopes nearHorizon(sampler2D heights, NearRays rays, int reach)
 {
+    GLSL_ASSERT(rays.tangent >= real(0.0) && rays.tangent <= real(1.0) && reach >= 0);
     NearScan scan = startScan(heights, rays);
     for (int column = 1; column <= reach; ++column)
         scan = scanColumn(heights, rays, scan, column);
@@ -160,6 +162,7 @@ NearSlopes nearHorizon(sampler2D heights, NearRays rays, int reach)
 Slope horizonAlongRay(sampler2D heights, ivec2 receiver, ivec2 major, ivec2 minor, real tangent,
                       int steps)
 {
+    GLSL_ASSERT(tangent >= real(0.0) && tangent <= real(1.0) && steps >= 0);
     Length here = postHeight(heights, receiver);
     Slope best = NO_HORIZON;
     Slope last = NO_HORIZON;
@@ -213,6 +216,7 @@ Slope horizonAlongRay(sampler2D heights, ivec2 receiver, ivec2 major, ivec2 mino
 Slope slopeAtStep(sampler2D heights, ivec2 receiver, Length here, ivec2 major, ivec2 minor,
                   real turn, int away)
 {
+    GLSL_ASSERT(abs(turn) <= real(1.0) && away >= 1);
     real distance = real(away);
     real offset = turn * distance;
     int whole = int(floor(offset));
@@ -236,7 +240,9 @@ Slope slopeAtStep(sampler2D heights, ivec2 receiver, Length here, ivec2 major, i
 // Hull of a sweep (Timonen and Westerholm 2010, section 5): vertices are (height [m], position
 // [steps]). True where, seen from `eye`, `farther` stands at least as high as `nearer`: compared by
 // cross-multiplication, no division. Equal slopes count, which keeps the hull small on planes.
+// Positions fall: eye.y > nearer.y > farther.y.
 bool hidesOrEquals(vec2 eye, vec2 nearer, vec2 farther)
 {
+    GLSL_ASSERT(eye.y > nearer.y && nearer.y > farther.y);
     return (farther.x - eye.x) * (eye.y - nearer.y) >= (nearer.x - eye.x) * (eye.y - farther.y);
 }

@@ -1,13 +1,13 @@
-// Functions of elevation in normalised Legendre polynomials, and of direction in spherical harmonics
-// (SH), both of order 4 (NS09, sections 4, 6, 7 and appendix).
+// Functions of elevation in normalised Legendre polynomials, and of direction in spherical
+// harmonics (SH), both of order 4 (NS09, sections 4, 6, 7 and appendix).
 //
 // A slice: the function of z = cos(zenith angle) = sin(elevation) at one azimuth, as vec4: its
 // coefficients in the polynomials of legendre(z).
-// SH are real, without the sign (-1)^m: Y of (l, m) = (1, -1), (1, 0), (1, 1) are 0.4886 times y, z, x.
-// cos(m azimuth) goes with +m, sin(m azimuth) with -m; azimuth counter-clockwise from east.
+// SH are real, without the sign (-1)^m: Y of (l, m) = (1, -1), (1, 0), (1, 1) are 0.4886 times y,
+// z, x. cos(m azimuth) goes with +m, sin(m azimuth) with -m; azimuth counter-clockwise from east.
 
-// 16 coefficients, (l, m) at index l*(l + 1) + m: c[0] holds (0,0) (1,-1) (1,0) (1,1), c[1] (2,-2) ...
-// (2,1), c[2] (2,2) (3,-3) (3,-2) (3,-1), c[3] (3,0) ... (3,3).
+// 16 coefficients, (l, m) at index l*(l + 1) + m: c[0] holds (0,0) (1,-1) (1,0) (1,1), c[1] (2,-2)
+// ... (2,1), c[2] (2,2) (3,-3) (3,-2) (3,-1), c[3] (3,0) ... (3,3).
 struct ShVector
 {
     vec4 c[4];
@@ -40,6 +40,7 @@ real shDot(ShVector a, ShVector b)
 // there to. The value of a function there is shDot(function, shBasis(d)).
 ShVector shBasis(vec3 d)
 {
+    GLSL_ASSERT(isUnit(d));
     real x2 = d.x * d.x;
     real y2 = d.y * d.y;
     real z2 = d.z * d.z;
@@ -72,8 +73,8 @@ ShVector shScaleBands(ShVector sh, vec4 factors)
     return scaled;
 }
 
-// A function that is symmetric about the vertical, turned to be so about a unit direction. zonal: its
-// coefficients (l, 0).
+// A function that is symmetric about the vertical, turned to be so about a unit direction. zonal:
+// its coefficients (l, 0).
 ShVector shOfZonal(vec4 zonal, vec3 direction)
 {
     // sqrt(4 pi / (2 l + 1))
@@ -111,22 +112,26 @@ vec4 lambertZonal()
 // Of the Phong lobe (s + 1) / (2 pi) * max(cosine, 0)^s, which integrates to 1. s >= 1. Exact.
 vec4 phongEigenvalues(real s)
 {
+    GLSL_ASSERT(s >= real(1.0));
     real first = (s + real(1.0)) / (s + real(2.0));
     return vec4(real(1.0), first, s / (s + real(3.0)),
                 first * (s - real(1.0)) / (s + real(4.0)));
 }
 
-// The same as in NS09, section 7, for comparison with the paper. There it is a zonal vector, but with
-// exp(-l^2 / 2s) for band l it is one of eigenvalues (a lobe that integrates to 1 has a zonal l = 0 of
-// 0.28). For a large s, l = 1 is 1 - 1/2s where the exact one is 1 - 1/s.
+// The same as in NS09, section 7, for comparison with the paper. There it is a zonal vector, but
+// with exp(-l^2 / 2s) for band l it is one of eigenvalues (a lobe that integrates to 1 has a zonal
+// l = 0 of 0.28). For a large s, l = 1 is 1 - 1/2s where the exact one is 1 - 1/s.
 vec4 phongEigenvaluesOfPaper(real s)
 {
+    GLSL_ASSERT(s >= real(1.0));
     return vec4(real(1.0), exp(real(-0.5) / s), exp(real(-2.0) / s), exp(real(-4.5) / s));
 }
 
-// The function turned about the vertical, counter-clockwise by the angle of the given cosine and sine.
+// The function turned about the vertical, counter-clockwise by the angle of the given cosine and
+// sine.
 ShVector shTurn(ShVector sh, real cosine, real sine)
 {
+    GLSL_ASSERT(isUnitPair(cosine, sine));
     real cosine2 = cosine * cosine - sine * sine;
     real sine2 = real(2.0) * cosine * sine;
     real cosine3 = cosine2 * cosine - sine2 * sine;
@@ -168,10 +173,12 @@ ShVector shExchangeNorthUp(ShVector sh)
     return exchanged;
 }
 
-// The function turned by 180 degrees about a unit vector, f(mirrored(d, normal)): the mirror direction is
-// linear in d, so light as the glossy surface of that normal receives it becomes light as it is sent.
+// The function turned by 180 degrees about a unit vector, f(mirrored(d, normal)): the mirror
+// direction is linear in d, so light as the glossy surface of that normal receives it becomes light
+// as it is sent.
 ShVector shHalfTurn(ShVector sh, vec3 normal)
 {
+    GLSL_ASSERT(isUnit(normal));
     real square = normal.x * normal.x + normal.y * normal.y;
     real level = sqrt(square);
     real cosine = square > real(0.0) ? normal.x / level : real(1.0);
@@ -182,16 +189,18 @@ ShVector shHalfTurn(ShVector sh, vec3 normal)
     return shTurn(shExchangeNorthUp(turned), cosine, sine);
 }
 
-// Light that a glossy surface sends, as a function of the direction that it leaves in, from what it receives as
-// a function of the direction that it comes from: its Phong lobe about the mirror direction, times gloss.
+// Light that a glossy surface sends, as a function of the direction that it leaves in, from what it
+// receives as a function of the direction that it comes from: its Phong lobe about the mirror
+// direction, times gloss.
 ShVector glossyExit(ShVector incident, vec3 normal, real gloss, real exponent)
 {
     return shHalfTurn(shScaleBands(incident, phongEigenvalues(exponent) * gloss), normal);
 }
 
-// Normalised Legendre polynomials, orthonormal on -1 ... 1 (NS09, Eq. 9 and below).
+// Normalised Legendre polynomials, orthonormal on -1 ... 1 (NS09, Eq. 9 and below). z: -1 ... 1.
 vec4 legendre(real z)
 {
+    GLSL_ASSERT(abs(z) <= real(1.0));
     return vec4(real(0.70710678118654752440), real(1.22474487139158904910) * z,
                 real(0.79056941504209483300) * (real(3.0) * z * z - real(1.0)),
                 real(0.93541434669348534640) * z * (real(5.0) * z * z - real(3.0)));
@@ -206,10 +215,11 @@ vec2 risingDirection(Slope slope)
     return vec2(cosine, steep * cosine);
 }
 
-// The slice that is 1 below an elevation, given as (cos, sin), and 0 above (NS09, Eq. 10, the closed
-// form below Eq. 13).
+// The slice that is 1 below an elevation, given as (cos, sin), and 0 above (NS09, Eq. 10, the
+// closed form below Eq. 13).
 vec4 occlusionBelow(vec2 elevation)
 {
+    GLSL_ASSERT(isUnitPair(elevation.x, elevation.y));
     real c2 = elevation.x * elevation.x;
     return vec4((elevation.y + real(1.0)) * real(0.70710678118654752440),
                 real(-0.61237243569579452455) * c2,
@@ -220,6 +230,7 @@ vec4 occlusionBelow(vec2 elevation)
 // The slice that is 1 above an elevation and 0 below (NS09, Eq. 11).
 vec4 visibleAbove(vec2 elevation)
 {
+    GLSL_ASSERT(isUnitPair(elevation.x, elevation.y));
     real c2 = elevation.x * elevation.x;
     return vec4((real(1.0) - elevation.y) * real(0.70710678118654752440),
                 real(0.61237243569579452455) * c2,
@@ -231,16 +242,18 @@ vec4 visibleAbove(vec2 elevation)
 // (cos, sin), -90 ... 90 degrees (NS09, section 6).
 vec4 visibleBetween(vec2 horizon, vec2 lowest, vec2 highest)
 {
+    GLSL_ASSERT(isUnitPair(horizon.x, horizon.y) && lowest.y <= highest.y);
     vec2 start = horizon.y > lowest.y ? horizon : lowest;
     return start.y < highest.y ? occlusionBelow(highest) - occlusionBelow(start)
                                : vec4(real(0.0), real(0.0), real(0.0), real(0.0));
 }
 
-// Slices to SH. Between azimuths a slice is blended with its neighbours by a function h of azimuth, so
-// that its share of the sphere is h(azimuth - own) * slice(z) (NS09, appendix). Its SH of (l, +-m) are
-// the integral over z of slice and the associated Legendre function N(l, m), times the integral over
-// azimuth of h * cos or sin(m azimuth). The first is in addSlice and knows no number of azimuths;
-// the second is cos or sin(m own) for an even h, times a weight per m, from WedgeMatrices.
+// Slices to SH. Between azimuths a slice is blended with its neighbours by a function h of azimuth,
+// so that its share of the sphere is h(azimuth - own) * slice(z) (NS09, appendix). Its SH of (l,
+// +-m) are the integral over z of slice and the associated Legendre function N(l, m), times the
+// integral over azimuth of h * cos or sin(m azimuth). The first is in addSlice and knows no number
+// of azimuths; the second is cos or sin(m own) for an even h, times a weight per m, from
+// WedgeMatrices.
 
 // cos(m a) and sin(m a), m = 0 ... 3.
 struct AzimuthTerms
@@ -251,6 +264,7 @@ struct AzimuthTerms
 
 AzimuthTerms azimuthTerms(real cosine, real sine)
 {
+    GLSL_ASSERT(isUnitPair(cosine, sine));
     real cosine2 = cosine * cosine - sine * sine;
     real sine2 = real(2.0) * cosine * sine;
     AzimuthTerms terms;
@@ -272,8 +286,8 @@ AzimuthTerms weighTerms(AzimuthTerms terms, vec4 even, vec4 odd)
 // sum + the SH of one slice with the given terms. Where all slices have the same weights, as on the
 // full circle, bare terms do, and one shWeighOrders at the end.
 // The numbers are integrals over z of legendre and N, the same ones as the columns of the wedge
-// matrices have; sqrt(3 pi / 32) and so on, tested against quadrature. Half of the integrals are 0 by
-// parity, and N(l, 0) = legendre / sqrt(2 pi).
+// matrices have; sqrt(3 pi / 32) and so on, tested against quadrature. Half of the integrals are 0
+// by parity, and N(l, 0) = legendre / sqrt(2 pi).
 ShVector addSlice(ShVector sum, vec4 slice, AzimuthTerms terms)
 {
     real n11 = real(0.54270094091870074452) * slice.x - real(0.15168952441841400422) * slice.z;

@@ -1,35 +1,42 @@
 // Light of sky and sun.
 
-// Irradiance weight of one azimuth slice (MATHS, "One slice, exactly"; TW10 Eq. 5): integral of
-// N.e over zenith angles 0 ... theta and an azimuth width of `width`, for a normal with vertical part
-// nz and part nh along the slice. theta in 0 ... pi, already clamped to the surface's own plane.
+// Irradiance weight of one azimuth slice (MATHS, "One slice, exactly"; TW10 Eq. 5): integral of N.e
+// over zenith angles 0 ... theta and an azimuth width of `width`, for a normal with vertical part
+// nz and part nh along the slice. theta in 0 ... pi, already clamped to the surface's own plane; 0
+// < width <= 2 pi.
 real sliceIrradiance(Angle theta, real nz, real nh, Angle width)
 {
+    GLSL_ASSERT(theta >= real(0.0) && theta <= PI + real(1.0e-6));
+    GLSL_ASSERT(width > real(0.0) && width <= real(2.0) * PI + real(1.0e-5));
     real s = sin(theta);
     return width * nz * real(0.5) * s * s +
            real(2.0) * sin(real(0.5) * width) * nh * real(0.5) * (theta - s * cos(theta));
 }
 
 // The same as a function of the slope that ends it below: its dot product with (nz, nh) is
-// sliceIrradiance().
+// sliceIrradiance(). 0 < width <= 2 pi.
 vec2 sliceMoments(Slope slope, Angle width)
 {
+    GLSL_ASSERT(width > real(0.0) && width <= real(2.0) * PI + real(1.0e-5));
     real square = real(1.0) / (real(1.0) + slope * slope); // of sin theta
     Angle theta = HALF_PI - elevationOfSlope(slope);
     return vec2(width * real(0.5) * square,
                 sin(real(0.5) * width) * (theta - slope * square));
 }
 
-// Zenith angle at which a slice meets the surface's own plane: 90 degrees + atan(nh / nz).
+// Zenith angle at which a slice meets the surface's own plane: 90 degrees + atan(nh / nz). nz > 0:
+// a surface of heights faces up.
 Angle planeZenithAngle(real nz, real nh)
 {
+    GLSL_ASSERT(nz > real(0.0));
     return HALF_PI + elevationOfSlope(nh / nz);
 }
 
-// Visible fraction of a disc of angular radius r [rad] whose centre stands `above` [rad] over a
+// Visible fraction of a disc of angular radius r [rad] > 0 whose centre stands `above` [rad] over a
 // straight horizon: the circular segment.
 real visibleDiscFraction(Angle above, Angle r)
 {
+    GLSL_ASSERT(r > real(0.0));
     real x = clamp(above / r, real(-1.0), real(1.0));
     real root = sqrt(max(real(1.0) - x * x, real(0.0)));
     // asin(x), by the same polynomial as elsewhere: atan(x / sqrt(1 - x*x)).
@@ -38,15 +45,17 @@ real visibleDiscFraction(Angle above, Angle r)
     return clamp(real(0.5) + (arc + x * root) / PI, real(0.0), real(1.0));
 }
 
-// A horizon need not be straight across a disc: it is measured at its centre and SUN_SIDE of its radius
-// to either side, linear between, level beyond.
+// A horizon need not be straight across a disc: it is measured at its centre and SUN_SIDE of its
+// radius to either side, linear between, level beyond.
 GLSL_CONST real SUN_SIDE = real(0.85);
 
-// Visible fraction of a disc of angular radius r [rad] whose centre stands left, centre, right [rad] over
-// the horizon at those three azimuths. Eight vertical strips, their edges equally spaced on the disc's
-// own, weigh what the bent horizon hides more or less than a straight one, whose fraction is exact.
+// Visible fraction of a disc of angular radius r [rad] whose centre stands left, centre, right
+// [rad] over the horizon at those three azimuths. Eight vertical strips, their edges equally spaced
+// on the disc's own, weigh what the bent horizon hides more or less than a straight one, whose
+// fraction is exact.
 real visibleDiscFractionAcross(Angle left, Angle centre, Angle right, Angle r)
 {
+    GLSL_ASSERT(r > real(0.0));
     real change = real(0.0);
     for (int i = 0; i < 8; ++i)
     {
@@ -56,17 +65,20 @@ real visibleDiscFractionAcross(Angle left, Angle centre, Angle right, Angle r)
         Angle side = place < real(0.0) ? left : right;
         Angle above = centre + (side - centre) * abs(place);
         real bent = clamp(real(0.5) + real(0.5) * above / (r * halfChord), real(0.0), real(1.0));
-        real straight = clamp(real(0.5) + real(0.5) * centre / (r * halfChord), real(0.0), real(1.0));
+        real straight =
+            clamp(real(0.5) + real(0.5) * centre / (r * halfChord), real(0.0), real(1.0));
         change = change + halfChord * halfChord * (bent - straight);
     }
     return clamp(visibleDiscFraction(centre, r) + change / real(4.0), real(0.0), real(1.0));
 }
 
-// Irradiance / pi by one slice of a light of radiance 1 between two elevations, 0 <= lowest < highest
-// <= 90 degrees, above a horizon.
+// Irradiance / pi by one slice of a light of radiance 1 between two elevations, 0 <= lowest <
+// highest <= 90 degrees, above a horizon.
 real keySlice(Angle horizon, Angle lowest, Angle highest, vec3 normal, real cosine, real sine,
               Angle width)
 {
+    GLSL_ASSERT(lowest >= real(0.0) && lowest < highest && highest <= HALF_PI);
+    GLSL_ASSERT(isUnit(normal) && isUnitPair(cosine, sine));
     real nh = normal.x * cosine + normal.y * sine;
     Angle top = HALF_PI - highest;
     Angle bottom = min(HALF_PI - max(horizon, lowest), planeZenithAngle(normal.z, nh));
@@ -75,21 +87,26 @@ real keySlice(Angle horizon, Angle lowest, Angle highest, vec3 normal, real cosi
                         : real(0.0);
 }
 
-// Irradiance / pi, over that of a surface that faces it, by a disc at (east, north) in a cell: above is
-// how far its centre stands over the horizon of the corners [rad], in the order of cellNormal(), and is
-// bilinear between them, like the surface. So a shadow's edge goes through the cell where it would;
-// between the corners' visible fractions it would be a ramp of a cell's width.
+// Irradiance / pi, over that of a surface that faces it, by a disc at (east, north) in a cell:
+// above is how far its centre stands over the horizon of the corners [rad], in the order of
+// cellNormal(), and is bilinear between them, like the surface. So a shadow's edge goes through the
+// cell where it would; between the corners' visible fractions it would be a ramp of a cell's width.
 real discOnCell(vec4 above, real east, real north, Angle radius, vec3 normal, vec3 direction)
 {
+    GLSL_ASSERT(min(east, north) >= real(0.0) && max(east, north) <= real(1.0));
+    GLSL_ASSERT(isUnit(normal) && isUnit(direction));
     Angle between = (above.x * (real(1.0) - east) + above.y * east) * (real(1.0) - north) +
                     (above.z * (real(1.0) - east) + above.w * east) * north;
     return visibleDiscFraction(between, radius) * max(dot(normal, direction), real(0.0)) / PI;
 }
 
 // One slice's share of a sky-view factor. elevation: of the horizon; the sky ends at the horizontal
-// in all three definitions. definition: 0 cosine to the normal, 1 cosine to the zenith, 2 solid angle.
+// in all three definitions. definition: 0 cosine to the normal, 1 cosine to the zenith, 2 solid
+// angle.
 real skySlice(Angle elevation, vec3 normal, real cosine, real sine, Angle width, int definition)
 {
+    GLSL_ASSERT(isUnit(normal) && isUnitPair(cosine, sine));
+    GLSL_ASSERT(definition >= 0 && definition <= 2);
     Angle clamped = max(elevation, real(0.0));
     if (definition == 2)
         return width * (real(1.0) - sin(clamped)) / (real(2.0) * PI);

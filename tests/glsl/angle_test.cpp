@@ -34,14 +34,14 @@ Real codeValue(int code)
 
 TYPED_TEST(AngleFunctions, ConstantsArePi)
 {
-    using G = Glsl<TypeParam>;
+    using G = CheckedGlsl<TypeParam>;
     EXPECT_EQ(G::PI, static_cast<TypeParam>(pi));
     EXPECT_EQ(G::HALF_PI, static_cast<TypeParam>(pi / 2.0));
 }
 
 TYPED_TEST(AngleFunctions, ElevationIsTheArcTangent)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     // 2e-8 of the polynomial, and of rounding: the quotient, π/2, the last difference (in 1 … 2:
     // one roundoff each) and the polynomial's own, which weighs 0.2 at most.
     const double bound = 2e-8 + 4.0 * roundoff<TypeParam>;
@@ -57,7 +57,7 @@ TYPED_TEST(AngleFunctions, ElevationIsTheArcTangent)
 
 TYPED_TEST(AngleFunctions, ElevationIsExactWhereItMustBe)
 {
-    using G = Glsl<TypeParam>;
+    using G = CheckedGlsl<TypeParam>;
     G glsl;
     EXPECT_EQ(glsl.elevationOfSlope(TypeParam(0)), TypeParam(0));
     EXPECT_EQ(glsl.elevationOfSlope(TypeParam(1e30)), G::HALF_PI);
@@ -79,7 +79,7 @@ TYPED_TEST(AngleFunctions, ElevationIsExactWhereItMustBe)
 
 TYPED_TEST(AngleFunctions, LevelIsCode32768AndNothingAheadIsCode1)
 {
-    using G = Glsl<TypeParam>;
+    using G = CheckedGlsl<TypeParam>;
     G glsl;
     EXPECT_EQ(stored(glsl.codeOfElevation(TypeParam(0))), HorizonMap::levelCode);
     EXPECT_EQ(glsl.codeOfElevation(TypeParam(0)), codeValue<TypeParam>(32768));
@@ -95,7 +95,7 @@ TYPED_TEST(AngleFunctions, LevelIsCode32768AndNothingAheadIsCode1)
 
 TYPED_TEST(AngleFunctions, EveryCodeComesBack)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     for (int code = 1; code <= 65535; ++code)
     {
         const TypeParam elevation = glsl.elevationOfCode(codeValue<TypeParam>(code));
@@ -105,7 +105,7 @@ TYPED_TEST(AngleFunctions, EveryCodeComesBack)
 
 TYPED_TEST(AngleFunctions, CodesAreThoseOfHorizonMap)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     // code·65535 is rounded twice, at most 65535 large; then the product.
     const double steps = 3.0 * 65535.0 * roundoff<TypeParam>;
     const double step = pi / 2.0 / 32767.0;
@@ -127,7 +127,7 @@ TYPED_TEST(AngleFunctions, CodesAreThoseOfHorizonMap)
 
 TYPED_TEST(AngleFunctions, CodesNeverFall)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     int last = 0;
     for (int i = -200000; i <= 200000; ++i)
     {

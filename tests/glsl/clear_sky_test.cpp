@@ -23,7 +23,7 @@ TYPED_TEST_SUITE(ClearSkyFunctions, Precisions);
 
 TYPED_TEST(ClearSkyFunctions, OvercastIsAThirdAtTheHorizontal)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     EXPECT_EQ(glsl.overcastGradation(TypeParam(1)), TypeParam(1));
     EXPECT_EQ(glsl.overcastGradation(TypeParam(0)), TypeParam(1) / TypeParam(3));
     EXPECT_EQ(glsl.overcastGradation(TypeParam(0.25)), TypeParam(0.5));
@@ -32,8 +32,8 @@ TYPED_TEST(ClearSkyFunctions, OvercastIsAThirdAtTheHorizontal)
 // Expected: the angle they were made with. 2e-8 for the polynomial, and rounding of the vectors.
 TYPED_TEST(ClearSkyFunctions, AngleBetweenSmallAndGreatAngles)
 {
-    Glsl<TypeParam> glsl;
-    using vec3 = typename Glsl<TypeParam>::vec3;
+    CheckedGlsl<TypeParam> glsl;
+    using vec3 = typename CheckedGlsl<TypeParam>::vec3;
     for (const double angle : {0.0, 1e-4, 0.005, 0.3, 1.0, 1.5, 2.5, 3.14})
         for (const double turn : {0.0, 1.0, 4.0})
         {
@@ -53,11 +53,11 @@ TYPED_TEST(ClearSkyFunctions, AngleBetweenSmallAndGreatAngles)
 // no constant in the brightness about the sun, so its c and e are those of CIE over 0.91.
 TYPED_TEST(ClearSkyFunctions, PerezIsTheCieClearSky)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     const auto real = [](double x) { return static_cast<TypeParam>(x); };
     const double constant = 1.0 - 10.0 * std::exp(-1.5 * pi);
-    const typename Glsl<TypeParam>::vec4 abcd(real(-1.0), real(-0.32), real(10.0 / constant),
-                                              real(-3.0));
+    const typename CheckedGlsl<TypeParam>::vec4 abcd(real(-1.0), real(-0.32), real(10.0 / constant),
+                                                     real(-3.0));
     const TypeParam e = real(0.45 / constant);
     for (const double sun : {0.2, 0.7, 1.3})
         for (const double zenith : {0.0, 0.5, 1.0, 1.4})
@@ -96,7 +96,7 @@ TEST(ClearSkyRadiance, FloatAgreesWithDouble)
             light.turbidity = turbidity;
             light.sunElevation = elevation;
             const auto exact = clearSky(light);
-            Glsl<float>::ClearSky rounded;
+            CheckedGlsl<float>::ClearSky rounded;
             rounded.sun = exact.sun;
             rounded.luminance = exact.luminance;
             rounded.x = exact.x;
@@ -110,10 +110,10 @@ TEST(ClearSkyRadiance, FloatAgreesWithDouble)
                 // The float's direction is the double's: its own rounding is not the function's.
                 const double z = std::pow(unit(random), 2.0), turn = 2.0 * pi * unit(random);
                 const double side = std::sqrt(1.0 - z * z);
-                const Glsl<float>::vec3 d(
-                    Glsl<double>::vec3(side * std::cos(turn), side * std::sin(turn), z));
+                const CheckedGlsl<float>::vec3 d(
+                    CheckedGlsl<double>::vec3(side * std::cos(turn), side * std::sin(turn), z));
                 const auto expected = Glsl<double>().clearSkyRadiance(exact, Glsl<double>::vec3(d));
-                const auto found = Glsl<float>().clearSkyRadiance(rounded, d);
+                const auto found = CheckedGlsl<float>().clearSkyRadiance(rounded, d);
                 for (int c = 0; c < 3; ++c)
                 {
                     brightest = std::max(brightest, expected[c]);

@@ -33,12 +33,12 @@ double expectedHarmonic(int l, int m, double z, double azimuth)
 }
 
 template <class Real>
-typename Glsl<Real>::vec3 direction(double z, double azimuth)
+typename CheckedGlsl<Real>::vec3 direction(double z, double azimuth)
 {
     const double r = std::sqrt(1.0 - z * z);
-    return
-        typename Glsl<Real>::vec3(static_cast<Real>(r * std::cos(azimuth)),
-                                  static_cast<Real>(r * std::sin(azimuth)), static_cast<Real>(z));
+    return typename CheckedGlsl<Real>::vec3(static_cast<Real>(r * std::cos(azimuth)),
+                                            static_cast<Real>(r * std::sin(azimuth)),
+                                            static_cast<Real>(z));
 }
 
 /// Values up to 1.8, slopes up to 1.8 l per radian of a rounded direction, and a recurrence of five
@@ -60,7 +60,7 @@ double integralOfZ(const Function& f)
 
 TYPED_TEST(EnvironmentFunctions, TermsAreTheLibrarys)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     for (double z = -1.0; z <= 1.0; z += 0.125)
         for (double azimuth = 0.0; azimuth < 6.3; azimuth += 0.37)
         {
@@ -75,7 +75,7 @@ TYPED_TEST(EnvironmentFunctions, TermsAreTheLibrarys)
 
 TYPED_TEST(EnvironmentFunctions, TermsContinueTheBasisOfOrder4)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     for (double z = -1.0; z <= 1.0; z += 0.25)
         for (double azimuth = 0.0; azimuth < 6.3; azimuth += 0.7)
         {
@@ -95,7 +95,7 @@ TYPED_TEST(EnvironmentFunctions, TermsAreOrthonormal)
                                           0.9324695142031521};
     const std::array<double, 3> weights = {0.4679139345726910, 0.3607615730481386,
                                            0.1713244923791704};
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     std::array<std::array<double, 36>, 36> products = {};
     for (std::size_t node = 0; node < 6; ++node)
         for (int turn = 0; turn < 12; ++turn)
@@ -117,7 +117,7 @@ TYPED_TEST(EnvironmentFunctions, TermsAreOrthonormal)
 // Expected: Funk and Hecke, 2π ∫ kernel(z) P_l(z) dz.
 TYPED_TEST(EnvironmentFunctions, BandsOfKernels)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     const auto band = [](int l, const auto& kernel)
     {
         return 2.0 * pi *
@@ -151,7 +151,7 @@ TYPED_TEST(EnvironmentFunctions, BandsOfKernels)
 // Expected: OpenGL 4.3, table 8.18, backwards: s = (sc / |ma| + 1) / 2 and t likewise.
 TYPED_TEST(EnvironmentFunctions, DirectionsOfCubeFaces)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     for (int face = 0; face < 6; ++face)
         for (const double across : {-0.75, 0.0, 0.5})
             for (const double down : {-0.5, 0.25, 0.875})

@@ -75,7 +75,7 @@ template <class Real>
 void forEachHorizon(const DemTile& tile, const Octant& octant, Real tangent, int reach,
                     const std::function<void(int column, int row, double slope)>& use)
 {
-    using G = Glsl<Real>;
+    using G = CheckedGlsl<Real>;
     G glsl;
     const Raster<Real> heights = framedHeights<Real>(tile, frame);
     const int breadth = octant.north ? tile.width() : tile.height();
@@ -226,7 +226,7 @@ double slopesAgree(double a, double b, double bound)
 
 TYPED_TEST(HorizonFunctions, IntervalHoldsItsProducts)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     const auto interval = glsl.intervalBetween(TypeParam(2), TypeParam(2.5));
     EXPECT_EQ(interval.near, TypeParam(2));
     EXPECT_EQ(interval.far, TypeParam(2.5));
@@ -237,7 +237,7 @@ TYPED_TEST(HorizonFunctions, IntervalHoldsItsProducts)
 
 TYPED_TEST(HorizonFunctions, InsideMaximumIsTheHighestSample)
 {
-    using G = Glsl<TypeParam>;
+    using G = CheckedGlsl<TypeParam>;
     G glsl;
     std::mt19937 random(11);
     std::uniform_real_distribution<double> uniform(0.0, 1.0);
@@ -315,7 +315,7 @@ TYPED_TEST(HorizonFunctions, NearHorizonIsTheHighestSampleOfTheSurface)
 
 TYPED_TEST(HorizonFunctions, HorizonAlongRayIsTheHighestSampleOfTheSurface)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     const double relief = 40.0;
     const int reach = 20;
     for (const double voids : {0.0, 0.1})
@@ -349,7 +349,7 @@ TYPED_TEST(HorizonFunctions, HorizonAlongRayIsTheHighestSampleOfTheSurface)
 
 TYPED_TEST(HorizonFunctions, SlopeAtStepMeetsEveryColumnAndRow)
 {
-    using G = Glsl<TypeParam>;
+    using G = CheckedGlsl<TypeParam>;
     G glsl;
     const double relief = 40.0;
     const int reach = 20;
@@ -603,7 +603,7 @@ TEST(HorizonConditioning, FloatLosesOnlyTheLastDigitsOfHeights)
 
 TYPED_TEST(HorizonFunctions, HullComparesAsFractionsDo)
 {
-    using G = Glsl<TypeParam>;
+    using G = CheckedGlsl<TypeParam>;
     G glsl;
     using vec2 = typename G::vec2;
     std::mt19937 random(51);

@@ -72,7 +72,7 @@ Sh expectedBasis(double z, double azimuth)
 }
 
 template <class Real>
-Sh toArray(const typename Glsl<Real>::ShVector& sh)
+Sh toArray(const typename CheckedGlsl<Real>::ShVector& sh)
 {
     Sh result = {};
     for (std::size_t i = 0; i < 16; ++i)
@@ -81,35 +81,35 @@ Sh toArray(const typename Glsl<Real>::ShVector& sh)
 }
 
 template <class Real>
-typename Glsl<Real>::ShVector fromArray(const Sh& sh)
+typename CheckedGlsl<Real>::ShVector fromArray(const Sh& sh)
 {
-    typename Glsl<Real>::ShVector result;
+    typename CheckedGlsl<Real>::ShVector result;
     for (std::size_t i = 0; i < 16; ++i)
         result.c[i / 4][static_cast<glm::length_t>(i % 4)] = static_cast<Real>(sh[i]);
     return result;
 }
 
 template <class Real>
-typename Glsl<Real>::vec4 toVector(const std::array<double, 4>& a)
+typename CheckedGlsl<Real>::vec4 toVector(const std::array<double, 4>& a)
 {
-    return typename Glsl<Real>::vec4(static_cast<Real>(a[0]), static_cast<Real>(a[1]),
-                                     static_cast<Real>(a[2]), static_cast<Real>(a[3]));
+    return typename CheckedGlsl<Real>::vec4(static_cast<Real>(a[0]), static_cast<Real>(a[1]),
+                                            static_cast<Real>(a[2]), static_cast<Real>(a[3]));
 }
 
 template <class Real>
-typename Glsl<Real>::vec3 direction(double z, double azimuth)
+typename CheckedGlsl<Real>::vec3 direction(double z, double azimuth)
 {
     const double r = std::sqrt(1.0 - z * z);
-    return
-        typename Glsl<Real>::vec3(static_cast<Real>(r * std::cos(azimuth)),
-                                  static_cast<Real>(r * std::sin(azimuth)), static_cast<Real>(z));
+    return typename CheckedGlsl<Real>::vec3(static_cast<Real>(r * std::cos(azimuth)),
+                                            static_cast<Real>(r * std::sin(azimuth)),
+                                            static_cast<Real>(z));
 }
 
 template <class Real>
-typename Glsl<Real>::vec2 elevation(double angle)
+typename CheckedGlsl<Real>::vec2 elevation(double angle)
 {
-    return typename Glsl<Real>::vec2(static_cast<Real>(std::cos(angle)),
-                                     static_cast<Real>(std::sin(angle)));
+    return typename CheckedGlsl<Real>::vec2(static_cast<Real>(std::cos(angle)),
+                                            static_cast<Real>(std::sin(angle)));
 }
 
 template <class Vector>
@@ -153,7 +153,7 @@ constexpr std::array<double, 9> angles = {-pi / 2.0, -1.2,   -0.5, -1e-4,   0.0,
 
 TYPED_TEST(LegendreFunctions, PolynomialsAreTheLibrarysAndOrthonormal)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     for (double z = -1.0; z <= 1.0; z += 0.03125)
         expectNear(glsl.legendre(static_cast<TypeParam>(z)),
                    {expectedLegendre(0, z), expectedLegendre(1, z), expectedLegendre(2, z),
@@ -172,7 +172,7 @@ TYPED_TEST(LegendreFunctions, PolynomialsAreTheLibrarysAndOrthonormal)
 
 TYPED_TEST(LegendreFunctions, DirectionOfASlopeNeedsNoAngle)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     for (const double slope : {-1e4, -3.0, -1.0, -1e-6, 0.0, 1e-6, 0.2, 1.0, 7.0, 1e4})
     {
         const auto found = glsl.risingDirection(static_cast<TypeParam>(slope));
@@ -181,7 +181,7 @@ TYPED_TEST(LegendreFunctions, DirectionOfASlopeNeedsNoAngle)
         EXPECT_NEAR(static_cast<double>(found.y), std::sin(angle), 4.0 * roundoff<TypeParam>);
     }
     // No horizon at all, and the same upwards.
-    const auto down = glsl.risingDirection(Glsl<TypeParam>::NO_HORIZON);
+    const auto down = glsl.risingDirection(CheckedGlsl<TypeParam>::NO_HORIZON);
     EXPECT_NEAR(static_cast<double>(down.x), 0.0, 2e-15);
     EXPECT_EQ(down.y, TypeParam(-1));
     EXPECT_EQ(glsl.risingDirection(TypeParam(1e30)).y, TypeParam(1));
@@ -189,7 +189,7 @@ TYPED_TEST(LegendreFunctions, DirectionOfASlopeNeedsNoAngle)
 
 TYPED_TEST(LegendreFunctions, OcclusionIsTheIntegralOfThePolynomials)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     for (const double angle : angles)
     {
         const auto at = elevation<TypeParam>(angle);
@@ -199,7 +199,7 @@ TYPED_TEST(LegendreFunctions, OcclusionIsTheIntegralOfThePolynomials)
                    angle);
     }
     // Closed form: everything is (√2, 0, 0, 0).
-    const auto none = glsl.risingDirection(Glsl<TypeParam>::NO_HORIZON);
+    const auto none = glsl.risingDirection(CheckedGlsl<TypeParam>::NO_HORIZON);
     expectNear(glsl.visibleAbove(none), {std::sqrt(2.0), 0.0, 0.0, 0.0}, sliceBound<TypeParam>,
                -pi / 2.0);
     expectNear(glsl.occlusionBelow(none), {0.0, 0.0, 0.0, 0.0}, sliceBound<TypeParam>, -pi / 2.0);
@@ -207,7 +207,7 @@ TYPED_TEST(LegendreFunctions, OcclusionIsTheIntegralOfThePolynomials)
 
 TYPED_TEST(LegendreFunctions, LightOfARangeIsWhatTheHorizonLeaves)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     for (const double horizon : angles)
         for (const double low : angles)
             for (const double high : angles)
@@ -225,7 +225,7 @@ TYPED_TEST(LegendreFunctions, LightOfARangeIsWhatTheHorizonLeaves)
 TYPED_TEST(LegendreFunctions, SumOverACastingSetTelescopes)
 {
     // NS09, Eq. 12, against the pieces it is made of (Eq. 8), each by quadrature.
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     const std::vector<double> edges = {-0.4, -0.1, 0.0, 0.35, 0.8, 1.1}; // from ω_min on
     const std::vector<double> light = {0.3, 2.0, 0.05, 1.0, 0.7, 0.0};   // 0 beyond the last
     auto sum = glsl.occlusionBelow(elevation<TypeParam>(edges[0])) * static_cast<TypeParam>(-0.3);
@@ -244,7 +244,7 @@ TYPED_TEST(LegendreFunctions, SumOverACastingSetTelescopes)
 
 TYPED_TEST(LegendreFunctions, BasisIsTheLibrarysAndOrthonormal)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     for (double z = -1.0; z <= 1.0; z += 0.125)
         for (double azimuth = 0.0; azimuth < 6.3; azimuth += 0.37)
             expectNear(toArray<TypeParam>(glsl.shBasis(direction<TypeParam>(z, azimuth))),
@@ -269,7 +269,7 @@ TYPED_TEST(LegendreFunctions, BasisIsTheLibrarysAndOrthonormal)
 
 TYPED_TEST(LegendreFunctions, SumsAndProducts)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     Sh a = {}, b = {};
     double dot = 0.0;
     for (std::size_t i = 0; i < 16; ++i)
@@ -300,7 +300,7 @@ TYPED_TEST(LegendreFunctions, SumsAndProducts)
 
 TYPED_TEST(LegendreFunctions, TurnedFunctionHasItsValuesAtTurnedDirections)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     std::mt19937 random(7);
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
     for (int trial = 0; trial < 50; ++trial)
@@ -332,7 +332,7 @@ TYPED_TEST(LegendreFunctions, TurnedFunctionHasItsValuesAtTurnedDirections)
 // mirrored about the normal.
 TYPED_TEST(LegendreFunctions, HalfTurnIsTheValueAtTheMirrorDirection)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     // Each of 16 products may be off by a few rounding errors of sums of terms up to 2.
     const double bound = 100.0 * static_cast<double>(std::numeric_limits<TypeParam>::epsilon());
     std::mt19937 random(7);
@@ -344,7 +344,7 @@ TYPED_TEST(LegendreFunctions, HalfTurnIsTheValueAtTheMirrorDirection)
             c = uniform(random);
         const auto function = fromArray<TypeParam>(sh);
         const auto value =
-            [&](const typename Glsl<TypeParam>::ShVector& of, double z, double azimuth)
+            [&](const typename CheckedGlsl<TypeParam>::ShVector& of, double z, double azimuth)
         {
             const Sh basis = expectedBasis(z, azimuth);
             const Sh found = toArray<TypeParam>(of);
@@ -375,7 +375,7 @@ TYPED_TEST(LegendreFunctions, HalfTurnIsTheValueAtTheMirrorDirection)
 TYPED_TEST(LegendreFunctions, ZonalFunctionTurnsToADirection)
 {
     // Addition theorem: the turned function is the old one of the angle between.
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     const std::array<double, 4> zonal = {0.7, -1.1, 0.4, 0.9};
     std::mt19937 random(8);
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -405,7 +405,7 @@ TYPED_TEST(LegendreFunctions, ZonalFunctionTurnsToADirection)
 
 TYPED_TEST(LegendreFunctions, LambertIsTheProjectedCosine)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     // Eigenvalue: 2π ∫ z P_l(z) dz over 0 … 1; zonal coefficient: the same of Y_l0.
     std::array<double, 4> eigenvalues = {}, zonal = {};
     for (int l = 0; l < 4; ++l)
@@ -425,7 +425,7 @@ TYPED_TEST(LegendreFunctions, LambertIsTheProjectedCosine)
 
 TYPED_TEST(LegendreFunctions, PhongIsTheProjectedPower)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     for (const int s : {1, 2, 3, 6})
     {
         std::array<double, 4> expected = {};
@@ -449,7 +449,7 @@ TYPED_TEST(LegendreFunctions, PhongIsTheProjectedPower)
 
 TYPED_TEST(LegendreFunctions, AzimuthTermsAreMultipleAngles)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     const std::array<double, 4> even = {0.4, 0.3, 0.2, 0.1};
     const std::array<double, 4> odd = {0.0, 0.05, 0.07, -0.2};
     for (double a = -3.0; a < 7.0; a += 0.31)
@@ -475,7 +475,7 @@ TYPED_TEST(LegendreFunctions, AzimuthTermsAreMultipleAngles)
 TYPED_TEST(LegendreFunctions, SliceGoesThroughTheColumnsOfTheWedgeMatrices)
 {
     // addSlice's numbers against the quadrature of core, turned: Rot_z(φ) K w.
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     const WedgeMatrices wedges(2.0 * pi / 12.0);
     const double azimuth = 0.83;
     const std::array<std::pair<ShMatrix<4>, AzimuthWeights>, 4> cases = {
@@ -512,7 +512,7 @@ TYPED_TEST(LegendreFunctions, SliceGoesThroughTheColumnsOfTheWedgeMatrices)
 
 TYPED_TEST(LegendreFunctions, SkiesHaveTheirClosedForms)
 {
-    using G = Glsl<TypeParam>;
+    using G = CheckedGlsl<TypeParam>;
     G glsl;
     for (const int count : {4, 8, 32, 64})
         for (const AzimuthBlend blend : {AzimuthBlend::Linear, AzimuthBlend::BSpline})

@@ -62,7 +62,7 @@ double sliceByQuadrature(double theta, double nz, double nh, double width)
 
 TYPED_TEST(SkyFunctions, SliceIrradianceIsItsIntegral)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     for (const double width : {2.0 * pi / 4.0, 2.0 * pi / 16.0, 2.0 * pi / 64.0})
         for (const double theta : {0.0, 0.01, 0.4, 1.0, pi / 2.0, 2.0, 3.0})
             for (const double slant : {0.0, 0.3, 0.9})
@@ -87,7 +87,7 @@ TYPED_TEST(SkyFunctions, SliceIrradianceIsItsIntegral)
 // surface's plane.
 TYPED_TEST(SkyFunctions, KeySliceIsItsIntegral)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     const auto real = [](double x) { return static_cast<TypeParam>(x); };
     const double width = 0.2;
     for (const double horizon : {-0.5, 0.0, 0.3, 0.9, 1.5})
@@ -97,7 +97,8 @@ TYPED_TEST(SkyFunctions, KeySliceIsItsIntegral)
                 for (const double aim : {0.0, 2.0, pi})
                 {
                     const double nz = std::sqrt(1.0 - slant * slant);
-                    const typename Glsl<TypeParam>::vec3 normal(real(slant), real(0.0), real(nz));
+                    const typename CheckedGlsl<TypeParam>::vec3 normal(real(slant), real(0.0),
+                                                                       real(nz));
                     const double nh = slant * std::cos(aim);
                     const double top = pi / 2.0 - highest;
                     const double bottom = std::min(pi / 2.0 - std::max(horizon, lowest),
@@ -121,7 +122,7 @@ TYPED_TEST(SkyFunctions, KeySliceIsItsIntegral)
 
 TYPED_TEST(SkyFunctions, PlaneZenithAngleLiesInThePlane)
 {
-    using G = Glsl<TypeParam>;
+    using G = CheckedGlsl<TypeParam>;
     G glsl;
     EXPECT_EQ(glsl.planeZenithAngle(TypeParam(1), TypeParam(0)), G::HALF_PI);
     for (double slant = -0.999; slant < 1.0; slant += 0.037)
@@ -143,7 +144,7 @@ TYPED_TEST(SkyFunctions, PlaneZenithAngleLiesInThePlane)
 
 TYPED_TEST(SkyFunctions, VisibleDiscIsACircularSegment)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     const TypeParam r = static_cast<TypeParam>(0.2666 * pi / 180.0);
     EXPECT_EQ(glsl.visibleDiscFraction(TypeParam(0), r), TypeParam(0.5));
     for (const TypeParam above : {r, r * TypeParam(1.5), TypeParam(1)})
@@ -175,7 +176,7 @@ TYPED_TEST(SkyFunctions, VisibleDiscIsACircularSegment)
 
 TYPED_TEST(SkyFunctions, VisibleDiscIsItsAreaByQuadrature)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     for (double x = -0.95; x < 1.0; x += 0.19)
     {
         // Chords of a unit disc above height −x, with sin t for the height: smooth at the rim.
@@ -189,7 +190,7 @@ TYPED_TEST(SkyFunctions, VisibleDiscIsItsAreaByQuadrature)
 
 TYPED_TEST(SkyFunctions, VisibleDiscAcrossAStraightHorizonIsTheSegment)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     const TypeParam r = TypeParam(0.00465);
     for (int k = -40; k <= 40; ++k)
     {
@@ -206,8 +207,8 @@ TYPED_TEST(SkyFunctions, VisibleDiscAcrossABentHorizonIsItsArea)
 {
     // Bent as the function says: through three places, level beyond. By quadrature in 20,000 strips
     // of equal width, exact to 1e-5.
-    Glsl<TypeParam> glsl;
-    const double side = static_cast<double>(Glsl<TypeParam>::SUN_SIDE);
+    CheckedGlsl<TypeParam> glsl;
+    const double side = static_cast<double>(CheckedGlsl<TypeParam>::SUN_SIDE);
     double worst = 0.0, gentle = 0.0;
     for (const auto& [left, centre, right] : std::vector<std::array<double, 3>>{{0.5, 0.0, -0.5},
                                                                                 {-3.0, 0.0, 3.0},
@@ -251,9 +252,9 @@ TYPED_TEST(SkyFunctions, DiscOnACellEndsWhereItsHorizonDoes)
     // horizons on one side and −1° on the other, so its centre is on the horizon at 2/3 of the way,
     // and a disc of 0.3° is whole up to 0.1 before and gone 0.1 behind. Its light is the cosine's
     // share / π.
-    Glsl<TypeParam> glsl;
-    using Vec3 = typename Glsl<TypeParam>::vec3;
-    using Vec4 = typename Glsl<TypeParam>::vec4;
+    CheckedGlsl<TypeParam> glsl;
+    using Vec3 = typename CheckedGlsl<TypeParam>::vec3;
+    using Vec4 = typename CheckedGlsl<TypeParam>::vec4;
     const auto degrees = [](double angle) { return TypeParam(angle * pi / 180.0); };
     const Vec3 normal = {TypeParam(0.0), TypeParam(0.6), TypeParam(0.8)};
     const Vec3 direction = {TypeParam(0.8), TypeParam(0.36), TypeParam(0.48)};
@@ -281,7 +282,7 @@ TYPED_TEST(SkyFunctions, DiscOnACellEndsWhereItsHorizonDoes)
 
 TYPED_TEST(SkyFunctions, SkySliceIsTheIntegralOfItsDefinition)
 {
-    using G = Glsl<TypeParam>;
+    using G = CheckedGlsl<TypeParam>;
     G glsl;
     std::mt19937 random(5);
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -321,7 +322,7 @@ TYPED_TEST(SkyFunctions, SkySliceIsTheIntegralOfItsDefinition)
 
 TYPED_TEST(SkyFunctions, SlicesOfAPlaneAndAPitSumToTheirClosedForms)
 {
-    using G = Glsl<TypeParam>;
+    using G = CheckedGlsl<TypeParam>;
     G glsl;
     const int count = 256;
     const double width = 2.0 * pi / count;

@@ -18,7 +18,7 @@ TYPED_TEST_SUITE(Subsampling, Precisions);
 
 TYPED_TEST(Subsampling, FirstValidPostStandsForItsBlock)
 {
-    using Host = Glsl<TypeParam>;
+    using Host = CheckedGlsl<TypeParam>;
     Host glsl;
     DemTile tile(7, 6, 10.0); // all void
     tile.setHeight(3, 2, 1.0f);
@@ -38,7 +38,7 @@ TYPED_TEST(Subsampling, FirstValidPostStandsForItsBlock)
 
 TYPED_TEST(Subsampling, WeightsAreBilinearOnThePlaneAndFallOffIt)
 {
-    using Host = Glsl<TypeParam>;
+    using Host = CheckedGlsl<TypeParam>;
     using vec3 = typename Host::vec3;
     Host glsl;
     const typename Host::vec2 share(TypeParam(0.25), TypeParam(0.5));

@@ -60,7 +60,7 @@ void expectNear(const Vector3& found, const Vector& expected, double bound)
 
 TYPED_TEST(SurfaceFunctions, NormalOfAPlane)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     // Steps of 1/8 m and spacings that differ: every height and difference is exact.
     Raster<TypeParam> heights(5, 7);
     for (int y = 0; y < 7; ++y)
@@ -77,7 +77,7 @@ TYPED_TEST(SurfaceFunctions, NormalOfAPlane)
 
 TYPED_TEST(SurfaceFunctions, NormalOfABilinearPatch)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     // z = x·y/4 in posts: at (x, y) the gradient is (y/4, x/4) whatever the cell.
     Raster<TypeParam> heights(6, 5);
     for (int y = 0; y < 5; ++y)
@@ -92,8 +92,8 @@ TYPED_TEST(SurfaceFunctions, NormalOfABilinearPatch)
 
 TYPED_TEST(SurfaceFunctions, NormalInACell)
 {
-    Glsl<TypeParam> glsl;
-    using Vec4 = typename Glsl<TypeParam>::vec4;
+    CheckedGlsl<TypeParam> glsl;
+    using Vec4 = typename CheckedGlsl<TypeParam>::vec4;
     // z = a + b·east + c·north + d·east·north in shares of a cell, spacings 2 and 0.5: the gradient
     // is ((b + d·north)/2, (c + d·east)/0.5). Eighths: all heights are exact.
     const double a = 100.0, b = 0.75, c = -0.25, d = 1.5;
@@ -109,7 +109,7 @@ TYPED_TEST(SurfaceFunctions, NormalInACell)
 
 TYPED_TEST(SurfaceFunctions, NormalForEveryPatternOfVoidsAround)
 {
-    using G = Glsl<TypeParam>;
+    using G = CheckedGlsl<TypeParam>;
     G glsl;
     std::mt19937 random(7);
     std::uniform_int_distribution<int> height(-64, 64);
@@ -133,7 +133,7 @@ TYPED_TEST(SurfaceFunctions, NormalForEveryPatternOfVoidsAround)
 
 TYPED_TEST(SurfaceFunctions, NormalOfOnePostIsUp)
 {
-    using G = Glsl<TypeParam>;
+    using G = CheckedGlsl<TypeParam>;
     G glsl;
     Raster<TypeParam> heights(3, 3, G::VOID_HEIGHT);
     heights.at(1, 1) = TypeParam(-321.5);
@@ -145,7 +145,7 @@ TYPED_TEST(SurfaceFunctions, NormalOfOnePostIsUp)
 
 TYPED_TEST(SurfaceFunctions, NormalIsTheReferences)
 {
-    using G = Glsl<TypeParam>;
+    using G = CheckedGlsl<TypeParam>;
     G glsl;
     DemTile tile(9, 6, 25.0);
     tile.eastSpacings = {12.0};
@@ -172,7 +172,7 @@ TYPED_TEST(SurfaceFunctions, NormalIsTheReferences)
 
 TYPED_TEST(SurfaceFunctions, VoidIsFarBelowEveryHeight)
 {
-    using G = Glsl<TypeParam>;
+    using G = CheckedGlsl<TypeParam>;
     G glsl;
     EXPECT_TRUE(glsl.isVoid(G::VOID_HEIGHT));
     for (const double height : {-1e6, -5000.0, 0.0, 1e6}) // DemTile's range
@@ -181,7 +181,7 @@ TYPED_TEST(SurfaceFunctions, VoidIsFarBelowEveryHeight)
 
 TYPED_TEST(SurfaceFunctions, CrossingBesideAVoidIsVoid)
 {
-    using G = Glsl<TypeParam>;
+    using G = CheckedGlsl<TypeParam>;
     G glsl;
     std::vector<TypeParam> weights = {TypeParam(0), TypeParam(0.5)};
     for (TypeParam gap = TypeParam(0.25); gap >= TypeParam(roundoff<TypeParam>); gap = gap / 2)
@@ -216,7 +216,7 @@ TYPED_TEST(SurfaceFunctions, CrossingBesideAVoidIsVoid)
 
 TYPED_TEST(SurfaceFunctions, CrossingIsLinearAndExactOnLevelGround)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     for (int i = 0; i <= 64; ++i)
     {
         const TypeParam weight = static_cast<TypeParam>(i / 64.0);
@@ -229,18 +229,18 @@ TYPED_TEST(SurfaceFunctions, CrossingIsLinearAndExactOnLevelGround)
 
 TYPED_TEST(SurfaceFunctions, RiseBetweenPostsIsBilinearAndLeavesVoidsOut)
 {
-    Glsl<TypeParam> glsl;
+    CheckedGlsl<TypeParam> glsl;
     constexpr int frame = 2;
-    Raster<TypeParam> heights(3 + 2 * frame, 2 + 2 * frame, Glsl<TypeParam>::VOID_HEIGHT);
+    Raster<TypeParam> heights(3 + 2 * frame, 2 + 2 * frame, CheckedGlsl<TypeParam>::VOID_HEIGHT);
     for (int y = 0; y < 2; ++y)
         for (int x = 0; x < 3; ++x)
             heights.at(x + frame, y + frame) = static_cast<TypeParam>(100 + x + 10 * y + 4 * x * y);
     const auto rise = [&](double x, double y)
     {
-        return glsl.riseBetweenPosts(
-            heights,
-            typename Glsl<TypeParam>::vec2(static_cast<TypeParam>(x), static_cast<TypeParam>(y)),
-            glm::ivec2(3, 2), frame, TypeParam(90));
+        return glsl.riseBetweenPosts(heights,
+                                     typename CheckedGlsl<TypeParam>::vec2(
+                                         static_cast<TypeParam>(x), static_cast<TypeParam>(y)),
+                                     glm::ivec2(3, 2), frame, TypeParam(90));
     };
     // Sums of four products of eighths: exact.
     for (double y = 0.0; y <= 1.0; y += 0.125)
@@ -249,13 +249,13 @@ TYPED_TEST(SurfaceFunctions, RiseBetweenPostsIsBilinearAndLeavesVoidsOut)
             EXPECT_EQ(static_cast<double>(rise(x, y).x), 10.0 + x + 10.0 * y + 4.0 * x * y);
             EXPECT_EQ(rise(x, y).y, TypeParam(1));
         }
-    heights.at(1 + frame, frame) = Glsl<TypeParam>::VOID_HEIGHT;
+    heights.at(1 + frame, frame) = CheckedGlsl<TypeParam>::VOID_HEIGHT;
     EXPECT_EQ(rise(0.25, 0.0).y, TypeParam(0.75));
     EXPECT_EQ(rise(0.25, 0.0).x, TypeParam(7.5));
     EXPECT_EQ(rise(1.0, 0.0).y, TypeParam(0));
     // A single row.
-    EXPECT_EQ(glsl.riseBetweenPosts(heights, typename Glsl<TypeParam>::vec2(2, 0), glm::ivec2(3, 1),
-                                    frame, TypeParam(90))
+    EXPECT_EQ(glsl.riseBetweenPosts(heights, typename CheckedGlsl<TypeParam>::vec2(2, 0),
+                                    glm::ivec2(3, 1), frame, TypeParam(90))
                   .x,
               TypeParam(12));
 }

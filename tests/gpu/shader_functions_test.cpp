@@ -26,7 +26,7 @@ constexpr double pi = 3.14159265358979323846;
 constexpr double ulp = 1.0 / (1 << 23); // of 1
 constexpr double sine = 1.0 / (1 << 20);
 
-using G = Glsl<float>;
+using G = CheckedGlsl<float>;
 
 /// Runs `body` once per column of `arguments`; in it, arg(i) is row i of the column and put(i, v)
 /// writes row i of the result.
