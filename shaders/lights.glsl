@@ -1,13 +1,14 @@
 // Direct light beyond the uniform sky, for the passes that are compiled with it; what
 // AreaLights::apply sets. SKY_TABLE: a sky of any radiance. KEY_LIGHTS: area lights. SUN: the sun.
 
-// Irradiance / pi by a sky, over skyRadiance: a number where the sky is uniform, a colour (and skyRadiance
-// is 1) where it has a table.
+// Irradiance / pi by a sky, over skyRadiance: a number where the sky is uniform, a colour (and
+// skyRadiance is 1) where it has a table.
 #ifdef SKY_TABLE
 #define SkyShare vec3
 
-// RGBA32F, a third of the rows each for red, green, blue, column k: xyz = the vector whose product with a normal is the
-// irradiance, over pi, of slice k from the zenith down to row / (rows of a third - 1) * 90 degrees.
+// RGBA32F, a third of the rows each for red, green, blue, column k: xyz = the vector whose product
+// with a normal is the irradiance, over pi, of slice k from the zenith down to row / (rows of a
+// third - 1) * 90 degrees.
 uniform sampler2D skyTable;
 
 // What slice k gives above a horizon. The filter's weights have 8 bits, of a row: fine enough.
@@ -20,7 +21,8 @@ SkyShare skyShare(Angle elevation, vec3 normal, float cosine, float sine, Angle 
     vec2 place = vec2(k, theta / HALF_PI * (rows - 1.0)) + 0.5;
     vec3 light;
     for (int c = 0; c < 3; ++c)
-        light[c] = dot(normal, textureLod(skyTable, (place + vec2(0.0, rows * float(c))) / size, 0.0).xyz);
+        light[c] =
+            dot(normal, textureLod(skyTable, (place + vec2(0.0, rows * float(c))) / size, 0.0).xyz);
     return light;
 }
 #else
@@ -69,8 +71,8 @@ uniform vec3 sunDirection;  // unit, x east, y north, z up
 uniform float sunElevation; // [rad]
 uniform float sunRadius;    // [rad]
 
-// How far the sun's centre stands over a post's horizon [rad], 0 left, 1 centre, 2 right of the disc. The
-// sky's edge is the horizontal, for the sun as for the sky.
+// How far the sun's centre stands over a post's horizon [rad], 0 left, 1 centre, 2 right of the
+// disc. The sky's edge is the horizontal, for the sun as for the sky.
 Angle sunAbove(ivec2 post, int part)
 {
     return sunElevation - max(elevationOfCode(texelFetch(sunHorizon, ivec3(post, part), 0).x), 0.0);

@@ -8,11 +8,12 @@
 #define GLSL_CONST const
 #define GLSL_ASSERT(condition)
 
-// The greatest half float. Whether more would be stored as that or as infinity is the driver's choice.
+// The greatest half float. Whether more would be stored as that or as infinity is the driver's
+// choice.
 const float GREATEST_LIGHT = 65504.0;
 
-// The nearest half float: what storing does with the rest is the driver's choice too, and cutting it
-// off would darken everything by 0.03 %.
+// The nearest half float: what storing does with the rest is the driver's choice too, and cutting
+// it off would darken everything by 0.03 %.
 vec3 roundedToHalf(vec3 x)
 {
     uvec3 bits = floatBitsToUint(clamp(x, vec3(-GREATEST_LIGHT), vec3(GREATEST_LIGHT)));

@@ -1,7 +1,10 @@
 // What a host shader calls for glossy terrain: colour = albedo * terrainShading(...).rgb +
 // terrainGloss(...). Comes after shaders/lib (createGlossShader); GLSL 3.30 on.
-uniform sampler2DArray osgTerrainLight_gloss;  // RGBA16F: 12 layers of harmonics; normal, gloss, exponent
-uniform sampler2D osgTerrainLight_shading;     // of which alpha is read, the visible fraction of the sun
+
+// RGBA16F: 12 layers of harmonics; normal, gloss, exponent
+uniform sampler2DArray osgTerrainLight_gloss;
+// of which alpha is read, the visible fraction of the sun
+uniform sampler2D osgTerrainLight_shading;
 uniform vec3 osgTerrainLight_sunDirection;     // unit: x east, y north, z up
 uniform vec3 osgTerrainLight_sunIrradiance;    // on a surface that faces it; 0 where there is none
 
@@ -14,7 +17,8 @@ vec3 terrainGloss(vec2 coordinate, vec3 toViewer)
     vec3 sent = vec3(0.0);
     for (int c = 0; c < 3; ++c)
         for (int j = 0; j < 4; ++j)
-            sent[c] += dot(texture(osgTerrainLight_gloss, vec3(coordinate, float(4 * c + j))), basis.c[j]);
+            sent[c] +=
+                dot(texture(osgTerrainLight_gloss, vec3(coordinate, float(4 * c + j))), basis.c[j]);
     vec4 surface = texture(osgTerrainLight_gloss, vec3(coordinate, 12.0));
     vec3 normal = vec3(surface.xy, sqrt(max(1.0 - dot(surface.xy, surface.xy), 0.0)));
     vec3 mirror = 2.0 * dot(normal, toViewer) * normal - toViewer;

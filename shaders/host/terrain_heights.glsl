@@ -1,9 +1,11 @@
-// What a host shader calls to move the vertices of terrain whose heights change. Works from GLSL 3.30
-// on; the host puts #version first.
-uniform sampler2D osgTerrainLight_heights; // R32F [m above heightOrigin], one texel per post, row 0 south
+// What a host shader calls to move the vertices of terrain whose heights change. Works from GLSL
+// 3.30 on; the host puts #version first.
 
-// tileCoordinate: (0, 0) at the south-western post, (1, 1) at the north-eastern one; the nearest post
-// counts. x: its height [m above heightOrigin]. y: 1 where it is void, and x is then 0.
+// R32F [m above heightOrigin], one texel per post, row 0 south
+uniform sampler2D osgTerrainLight_heights;
+
+// tileCoordinate: (0, 0) at the south-western post, (1, 1) at the north-eastern one; the nearest
+// post counts. x: its height [m above heightOrigin]. y: 1 where it is void, and x is then 0.
 vec2 terrainHeight(vec2 tileCoordinate)
 {
     vec2 last = vec2(textureSize(osgTerrainLight_heights, 0) - 1);

@@ -1,8 +1,11 @@
 // What a host shader calls to light an object that has a LightProbe: colour = albedo *
-// terrainProbeDiffuse(...) + gloss * terrainProbeGlossy(...). Works from GLSL 1.20 on; the host puts #version
-// first. Directions are unit vectors in the tile's frame: x east, y north, z up.
-uniform samplerCube osgTerrainLight_probeDiffuse; // rgb = irradiance / pi by normal, a = visible sun, 0 ... 1
-uniform samplerCube osgTerrainLight_probeGlossy;  // rgb = radiance through a lobe about each direction
+// terrainProbeDiffuse(...) + gloss * terrainProbeGlossy(...). Works from GLSL 1.20 on; the host
+// puts #version first. Directions are unit vectors in the tile's frame: x east, y north, z up.
+
+// rgb = irradiance / pi by normal, a = visible sun, 0 ... 1
+uniform samplerCube osgTerrainLight_probeDiffuse;
+// rgb = radiance through a lobe about each direction
+uniform samplerCube osgTerrainLight_probeGlossy;
 uniform float osgTerrainLight_probeExponent;      // of that lobe
 uniform vec3 osgTerrainLight_sunDirection;
 uniform vec3 osgTerrainLight_sunIrradiance; // on a surface that faces it; 0 where there is none
@@ -16,7 +19,8 @@ vec4 terrainProbe(samplerCube map, vec3 direction)
 #endif
 }
 
-// Irradiance / pi on a surface of the given normal: sky and ground through harmonics, the sun sharply.
+// Irradiance / pi on a surface of the given normal: sky and ground through harmonics, the sun
+// sharply.
 vec3 terrainProbeDiffuse(vec3 normal)
 {
     vec4 light = terrainProbe(osgTerrainLight_probeDiffuse, normal);

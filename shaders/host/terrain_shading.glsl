@@ -1,6 +1,8 @@
 // What a host shader calls to light its terrain: colour = albedo * terrainShading(...).rgb.
 // Works in vertex and fragment shaders from GLSL 1.20 on; the host puts #version first.
-uniform sampler2D osgTerrainLight_shading; // RGBA16F: rgb = irradiance / pi, a = visible sun, 0 ... 1
+
+// RGBA16F: rgb = irradiance / pi, a = visible sun, 0 ... 1
+uniform sampler2D osgTerrainLight_shading;
 uniform mat4 osgTerrainLight_matrix;       // source to texture coordinates, posts at texel centres
 
 // source: vec4 of what the tile was bound with, the vertex position or the tile coordinates, which

@@ -1,5 +1,6 @@
-// An environment in spherical harmonics of order ORDER, group by group; harmonics_sum.comp adds the groups.
-// A texel has one radiance over all it covers, and is integrated as that: a constant gives one coefficient.
+// An environment in spherical harmonics of order ORDER, group by group; harmonics_sum.comp adds the
+// groups. A texel has one radiance over all it covers, and is integrated as that: a constant gives
+// one coefficient.
 //
 // Each invocation adds its texels in registers, and the group's are added once at the end.
 layout(local_size_x = 32) in;
@@ -7,7 +8,8 @@ layout(local_size_x = 32) in;
 const int COUNT = ORDER * ORDER;
 // Column i: coefficient i, row: group. RGBA32F.
 layout(rgba32f, binding = 0) writeonly uniform image2D partials;
-uniform int parts; // that a texel is cut in for the quadrature, where there are few: each way, or in height
+// that a texel is cut in for the quadrature, where there are few: each way, or in height
+uniform int parts;
 shared vec3 sums[COUNT][32];
 
 #ifdef CUBE
@@ -43,7 +45,8 @@ void main()
     vec3 sum[COUNT];
     for (int i = 0; i < COUNT; ++i)
         sum[i] = vec3(0.0);
-    for (int index = 32 * int(gl_WorkGroupID.x) + id; index < count; index += 32 * int(gl_NumWorkGroups.x))
+    for (int index = 32 * int(gl_WorkGroupID.x) + id; index < count;
+         index += 32 * int(gl_NumWorkGroups.x))
     {
         ivec2 texel = ivec2(index % size, index / size % size);
         int face = index / size / size;
@@ -116,7 +119,8 @@ void main()
             {
                 cosines[m] += turned.x * radiance;
                 sines[m] += turned.y * radiance;
-                turned = vec2(turned.x * one.x - turned.y * one.y, turned.y * one.x + turned.x * one.y);
+                turned =
+                    vec2(turned.x * one.x - turned.y * one.y, turned.y * one.x + turned.x * one.y);
             }
         }
         ShTerms terms = termsOfRow(row, float(size.y));

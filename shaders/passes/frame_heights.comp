@@ -1,5 +1,5 @@
-// Heights that change, into the framed texture that all passes read. Posts that are not finite or beyond
-// the limit of DemTile become void, and so is the frame.
+// Heights that change, into the framed texture that all passes read. Posts that are not finite or
+// beyond the limit of DemTile become void, and so is the frame.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D posts; // R32F [m], one texel per post, row 0 south

@@ -1,5 +1,5 @@
-// Adds what groups of environment_harmonics.comp found: a group per coefficient, in a fixed order, so that
-// the same environment gives the same bits.
+// Adds what groups of environment_harmonics.comp found: a group per coefficient, in a fixed order,
+// so that the same environment gives the same bits.
 layout(local_size_x = 64) in;
 
 uniform sampler2D partials; // column i: coefficient i, row: group

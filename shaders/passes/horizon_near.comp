@@ -1,5 +1,5 @@
-// The near part of horizons, exact for the bilinear surface; completes what horizon_sweep.comp wrote.
-// One invocation serves NEAR_POSTS posts that are neighbours along the minor axis.
+// The near part of horizons, exact for the bilinear surface; completes what horizon_sweep.comp
+// wrote. One invocation serves NEAR_POSTS posts that are neighbours along the minor axis.
 layout(local_size_x = 16, local_size_y = 4) in;
 
 uniform sampler2D heights;     // R32F [m], framed by `frame` void posts, row 0 south

@@ -1,5 +1,5 @@
-// Horizons of chosen posts by an exhaustive scan of their rays: cost is posts x directions x steps, so
-// for a few posts only; what the sweep is measured against.
+// Horizons of chosen posts by an exhaustive scan of their rays: cost is posts x directions x steps,
+// so for a few posts only; what the sweep is measured against.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D heights;    // R32F [m], framed by `frame` void posts, row 0 south
@@ -16,7 +16,8 @@ void main()
     ivec2 id = ivec2(gl_GlobalInvocationID.xy);
     if (id.x >= count.x || id.y >= count.y)
         return;
-    ivec2 post = ivec2(texelFetch(posts, ivec2(0, id.x), 0).x, texelFetch(posts, ivec2(1, id.x), 0).x);
+    ivec2 post =
+        ivec2(texelFetch(posts, ivec2(0, id.x), 0).x, texelFetch(posts, ivec2(1, id.x), 0).x);
     int look = int(texelFetch(directions, ivec2(1, id.y), 0).x);
     float drift = texelFetch(directions, ivec2(0, id.y), 0).x * float(look);
     bool north = texelFetch(directions, ivec2(2, id.y), 0).x != 0.0;

@@ -1,14 +1,14 @@
-// The far part of horizons: one invocation walks one line of one direction, away from where it looks,
-// and keeps the upper hull of the line's samples (Timonen and Westerholm 2010, sections 4 and 5). A
-// post stands between two lines, up to a post's width aside, so their horizons are not its own: it only
-// asks each line where the horizon is, and measures the surface on its own ray there and a step to
-// either side, on columns and rows. The result is a slope that the ray really meets: exact on planes, and, but for voids,
-// never too high.
+// The far part of horizons: one invocation walks one line of one direction, away from where it
+// looks, and keeps the upper hull of the line's samples (Timonen and Westerholm 2010, sections 4
+// and 5). A post stands between two lines, up to a post's width aside, so their horizons are not
+// its own: it only asks each line where the horizon is, and measures the surface on its own ray
+// there and a step to either side, on columns and rows. The result is a slope that the ray really
+// meets: exact on planes, and, but for voids, never too high.
 // Samples closer than `reach` steps are left to horizon_near.comp.
 //
-// ASKED 1: one dispatch, a post asks its nearest line. ASKED 2: it asks the two lines that it stands
-// between; lines of even number (PARITY 0) write, then, in a second dispatch, those of odd number keep
-// the higher.
+// ASKED 1: one dispatch, a post asks its nearest line. ASKED 2: it asks the two lines that it
+// stands between; lines of even number (PARITY 0) write, then, in a second dispatch, those of odd
+// number keep the higher.
 layout(local_size_x = 32) in;
 
 uniform sampler2D heights;      // R32F [m], framed by `frame` void posts, row 0 south
@@ -23,19 +23,19 @@ uniform int linesPerPost;
 uniform int firstDirection; // of this dispatch
 layout(std140, binding = 0) uniform Rays
 {
-    // Signed drift along the minor axis per step of the major axis towards +, look direction along the
-    // major axis (+1 or -1), 1 where the major axis is north, layer.
+    // Signed drift along the minor axis per step of the major axis towards +, look direction along
+    // the major axis (+1 or -1), 1 where the major axis is north, layer.
     vec4 directions[256];
 };
 
 // A hull that may need more vertices than there is room for loses every second of them, the newest
-// excepted. Between two kept vertices the hull then runs below the lost one, by no more than the lost
-// vertex stood above their chord. `dropped` counts them.
+// excepted. Between two kept vertices the hull then runs below the lost one, by no more than the
+// lost vertex stood above their chord. `dropped` counts them.
 const int HULL_CAPACITY = HULL_SIZE;
 const int CHUNK = 16;
 
-// Steps that are measured about the one found. A post that asks two lines gets by without the nearer
-// one: what it would add, the other line finds.
+// Steps that are measured about the one found. A post that asks two lines gets by without the
+// nearer one: what it would add, the other line finds.
 const int FIRST_MEASURED = ASKED == 1 ? -1 : 0;
 
 const float LEAD = ASKED == 1 ? 0.5 : 0.0;
@@ -77,15 +77,16 @@ void main()
     int count = high - low + 1;
     int start = look > 0 ? high : low;
 
-    // Vertices: height, position in steps walked. The newest two stand in registers; hull[] holds all
-    // but the newest.
+    // Vertices: height, position in steps walked. The newest two stand in registers; hull[] holds
+    // all but the newest.
     vec2 hull[HULL_CAPACITY];
     vec2 newest = vec2(0.0);
     vec2 second = vec2(0.0);
     int vertices = 0;
     for (int chunk = 0; chunk < count; chunk += CHUNK)
     {
-        // Asked once per chunk, not per push: a processor that runs lanes in step pays for it each time.
+        // Asked once per chunk, not per push: a processor that runs lanes in step pays for it each
+        // time.
         if (vertices > HULL_CAPACITY - CHUNK)
         {
             int kept = vertices / 2;
@@ -127,8 +128,8 @@ void main()
             int beside = int(floor(lineStart + drifted));
             for (int side = 0; side < POSTS_PER_STEP; ++side)
             {
-                // Which lines a post asks follows from the post, so that rounding cannot give it more
-                // or fewer. `lead`: the line asked, or the first of two.
+                // Which lines a post asks follows from the post, so that rounding cannot give it
+                // more or fewer. `lead`: the line asked, or the first of two.
                 int minor = beside + side;
                 int lead = int(floor((float(minor) - drifted + shift) * perPost + LEAD));
                 bool mine = lead == line || (ASKED == 2 && lead + 1 == line);
@@ -157,8 +158,8 @@ void main()
                         --rest;
                         farther = hull[max(rest - 1, 0)];
                     }
-                    // A line may leave the data later than the ray beside it: what it sees there, the
-                    // ray would see at its own exit at most.
+                    // A line may leave the data later than the ray beside it: what it sees there,
+                    // the ray would see at its own exit at most.
                     // Where the line's only sample that far is beyond the data, its exit is asked.
                     float found = min(vertices > 0 ? eye.y - nearer.y : exit, floor(exit));
                     Slope slope = NO_HORIZON;

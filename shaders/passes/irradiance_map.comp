@@ -1,5 +1,5 @@
-// A cube map of an environment convolved with a kernel, from its spherical harmonics of order ORDER: the
-// second of King's two passes (King 2005, section 10.3.2).
+// A cube map of an environment convolved with a kernel, from its spherical harmonics of order
+// ORDER: the second of King's two passes (King 2005, section 10.3.2).
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D harmonics; // RGBA32F, column i: coefficient i

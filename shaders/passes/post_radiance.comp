@@ -1,5 +1,5 @@
-// What posts send out, for bounces in Legendre polynomials: of one post per block of stride * stride, rgb =
-// albedo * irradiance / pi, a = 1; a block of void posts: all 0.
+// What posts send out, for bounces in Legendre polynomials: of one post per block of stride *
+// stride, rgb = albedo * irradiance / pi, a = 1; a block of void posts: all 0.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D heights; // R32F [m], framed by `frame` void posts, row 0 south

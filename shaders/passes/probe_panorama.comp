@@ -1,19 +1,21 @@
-// What a probe sees all around, as a picture: the ground up to its horizon, above it the sky and key lights,
-// and nothing where neither is. Without the sun, whose disc the three last invocations look for a horizon of.
+// What a probe sees all around, as a picture: the ground up to its horizon, above it the sky and
+// key lights, and nothing where neither is. Without the sun, whose disc the three last invocations
+// look for a horizon of.
 //
-// An invocation is a column: it walks away from the probe, and whatever rises above all before it is seen,
-// as by the posts in bounce.comp, but from any height and on the surface itself.
+// An invocation is a column: it walks away from the probe, and whatever rises above all before it
+// is seen, as by the posts in bounce.comp, but from any height and on the surface itself.
 layout(local_size_x = 8) in;
 
 uniform sampler2D heights; // R32F [m], framed by `frame` void posts, row 0 south
 uniform sampler2D shading; // rgb = irradiance / pi
 uniform sampler2D albedo;  // one texel per post, or one for all
 #ifdef SKY_PICTURE
-// RGBA32F, radiance, as sky_table.comp reads it: rows from the horizontal to the zenith. A whole number of its
-// columns and rows in each of the panorama's.
+// RGBA32F, radiance, as sky_table.comp reads it: rows from the horizontal to the zenith. A whole
+// number of its columns and rows in each of the panorama's.
 uniform sampler2D sky;
 #endif
-// RGBA32F, radiance: columns counter-clockwise from east, an even number of rows from nadir to zenith.
+// RGBA32F, radiance: columns counter-clockwise from east, an even number of rows from nadir to
+// zenith.
 layout(rgba32f, binding = 0) writeonly uniform image2D panorama;
 layout(r32f, binding = 1) writeonly uniform image2D sunHorizon; // elevation [rad], three texels
 
@@ -26,8 +28,8 @@ uniform bool aboveGround;
 uniform vec3 skyRadiance; // without a picture
 uniform vec3 sunAzimuths; // [rad], counter-clockwise from east
 uniform int keyLightCount; // 0 ... 8
-// Of each key light: azimuth of its middle [rad, counter-clockwise from east], half its width, lowest
-// >= 0 and highest elevation [rad].
+// Of each key light: azimuth of its middle [rad, counter-clockwise from east], half its width,
+// lowest >= 0 and highest elevation [rad].
 uniform vec4 keyAreas[8];
 uniform vec3 keyLightRadiances[8];
 
@@ -99,11 +101,12 @@ void main()
     Length distance = 0.0;
     while (distance < end)
     {
-        // Steps of about six degrees where the probe looks down, then from line to line of the grid of posts:
-        // crests are there.
+        // Steps of about six degrees where the probe looks down, then from line to line of the grid
+        // of posts: crests are there.
         Length step = max(0.1 * sqrt(distance * distance + above * above), 1.0e-3 * cell);
         vec2 at = place + perMetre * distance;
-        vec2 line = mix(ceil(at - 1.0e-3) - 1.0, floor(at + 1.0e-3) + 1.0, greaterThan(perMetre, vec2(0.0)));
+        vec2 line = mix(ceil(at - 1.0e-3) - 1.0, floor(at + 1.0e-3) + 1.0,
+                        greaterThan(perMetre, vec2(0.0)));
         vec2 lines = abs(line - at) / max(abs(perMetre), vec2(1.0e-12));
         step = min(step, min(lines.x, lines.y));
         Length next = distance + step;

@@ -1,10 +1,11 @@
-// One level of a pyramid from the next finer one (Nowrouzezahrai and Snyder 2009, section 5.2). Texels
-// hold value times weight, weight; the weight is how much of them is valid.
+// One level of a pyramid from the next finer one (Nowrouzezahrai and Snyder 2009, section 5.2).
+// Texels hold value times weight, weight; the weight is how much of them is valid.
 //
-// HEIGHTS stand on posts: a texel on every second one of the finer level, the first on the first, so that
-// levels need no shift and odd sizes no exception; it is the mean under the linear B-spline. Radiance
-// fills cells: a texel is the mean of four; FROM_CELLS: of radiance.comp. ON_POSTS: radiance that stands on
-// posts. LAYERED: of a texture array; four values times the weight that the pyramid of heights has there.
+// HEIGHTS stand on posts: a texel on every second one of the finer level, the first on the first,
+// so that levels need no shift and odd sizes no exception; it is the mean under the linear
+// B-spline. Radiance fills cells: a texel is the mean of four; FROM_CELLS: of radiance.comp.
+// ON_POSTS: radiance that stands on posts. LAYERED: of a texture array; four values times the
+// weight that the pyramid of heights has there.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 #ifdef HEIGHTS

@@ -1,6 +1,6 @@
-// Horizons of all posts from a pyramid of heights (Nowrouzezahrai and Snyder 2009, section 5.2): samples at
-// 2^(i/k) steps, their elevations joined by a cubic B-spline of the sample's number, and its maximum at
-// knots and midpoints. One invocation per post and direction.
+// Horizons of all posts from a pyramid of heights (Nowrouzezahrai and Snyder 2009, section 5.2):
+// samples at 2^(i/k) steps, their elevations joined by a cubic B-spline of the sample's number, and
+// its maximum at knots and midpoints. One invocation per post and direction.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D heights;       // R32F [m], framed by `frame` void posts, row 0 south
@@ -38,10 +38,12 @@ void main()
     Length east = texelFetch(eastSpacings, ivec2(0, post.y), 0).x;
     Length stepLength = length(direction.xy * vec2(east, northSpacing));
     vec2 scale = 1.0 / vec2(textureSize(heightPyramid, 0));
-    // The last four samples. The spline has its first and last one twice more, so that it ends in them.
+    // The last four samples. The spline has its first and last one twice more, so that it ends in
+    // them.
     vec4 last = vec4(0.0);
-    // The paper starts from the surface's own horizon. That is the consumer's part: with a normal that is
-    // its neighbours' mean it is wrong by more than what is missing nearer than the first sample.
+    // The paper starts from the surface's own horizon. That is the consumer's part: with a normal
+    // that is its neighbours' mean it is wrong by more than what is missing nearer than the first
+    // sample.
     Angle highest = -HALF_PI;
     bool started = false;
     for (int i = 0; i < sampleCount + 2; ++i)

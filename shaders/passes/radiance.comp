@@ -1,9 +1,10 @@
-// What the cells between posts send out. rgb = radiance; a > 0: 1, or with the SUN what the cell receives
-// of it in the mean, irradiance / pi over sunIrradiance, at least 2^-14. A cell with a void corner: all 0.
+// What the cells between posts send out. rgb = radiance; a > 0: 1, or with the SUN what the cell
+// receives of it in the mean, irradiance / pi over sunIrradiance, at least 2^-14. A cell with a
+// void corner: all 0.
 //
-// Light is received at posts, whose normals are their neighbours' mean; it is sent by the faces between
-// them. At a cliff those are not alike: a face of one cell's width may be vertical where neither of its
-// posts is. So direct light is found anew for the face, from its corners' horizons.
+// Light is received at posts, whose normals are their neighbours' mean; it is sent by the faces
+// between them. At a cliff those are not alike: a face of one cell's width may be vertical where
+// neither of its posts is. So direct light is found anew for the face, from its corners' horizons.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D heights;      // R32F [m], framed by `frame` void posts, row 0 south
@@ -11,7 +12,8 @@ uniform sampler2D albedo;       // one texel per post, or one for all
 #ifndef DIRECT
 uniform sampler2D light; // irradiance / pi
 #endif
-layout(rgba16f, binding = 0) writeonly uniform image2D radiance; // cell (x, y): posts x, x + 1, y, y + 1
+// cell (x, y): posts x, x + 1, y, y + 1
+layout(rgba16f, binding = 0) writeonly uniform image2D radiance;
 
 uniform ivec2 size; // posts
 uniform int frame;

@@ -1,11 +1,13 @@
-// The upper half of an environment, turned, as the picture of a sky: each texel has the mean radiance of
-// what it covers, weighed by solid angle, so that none of the light is lost however small a source is.
+// The upper half of an environment, turned, as the picture of a sky: each texel has the mean
+// radiance of what it covers, weighed by solid angle, so that none of the light is lost however
+// small a source is.
 layout(local_size_x = 8, local_size_y = 8) in;
 
-// RGB32F, radiance: columns counter-clockwise from east, rows from the nadir to the zenith, of equal angles.
+// RGB32F, radiance: columns counter-clockwise from east, rows from the nadir to the zenith, of
+// equal angles.
 uniform sampler2D environment;
-// RGBA32F, rgb = radiance: columns counter-clockwise from east, rows upwards from the horizontal to the
-// zenith, both of equal angles.
+// RGBA32F, rgb = radiance: columns counter-clockwise from east, rows upwards from the horizontal to
+// the zenith, both of equal angles.
 layout(rgba32f, binding = 0) writeonly uniform image2D sky;
 uniform float heading; // [rad], clockwise, -pi ... pi
 uniform float gain;
@@ -27,7 +29,8 @@ void main()
     float weights = 0.0;
     for (int row = int(floor(low)); row < min(int(ceil(high)), from.y); ++row)
     {
-        // Of sin(elevation), about the middle of the part: a difference of two sines would lose digits.
+        // Of sin(elevation), about the middle of the part: a difference of two sines would lose
+        // digits.
         float bottom = max(float(row), low);
         float top = min(float(row + 1), high);
         float middle = 0.5 * (bottom + top) / float(from.y) * PI - HALF_PI;

@@ -1,8 +1,8 @@
 // A sky in spherical harmonics as a picture: radiance at the middle of each texel.
 layout(local_size_x = 8, local_size_y = 8) in;
 
-// RGBA32F, rgb = radiance: columns counter-clockwise from east, rows upwards from the horizontal to the
-// zenith, both of equal angles.
+// RGBA32F, rgb = radiance: columns counter-clockwise from east, rows upwards from the horizontal to
+// the zenith, both of equal angles.
 layout(rgba32f, binding = 0) writeonly uniform image2D sky;
 uniform vec3 harmonics[16]; // (l, m) at l (l + 1) + m
 

@@ -1,14 +1,15 @@
-// The light of a sky of any radiance, slice by slice of azimuth and from the zenith down to any angle, as
-// a vector whose product with a normal is the irradiance: TW10 Eq. 6 and 7, whose table has the
-// normal's angle as a second dimension. It needs none: a slice's light ends at the horizon or where it
-// meets the surface's plane, whichever is higher, and above that angle irradiance is linear in the normal.
+// The light of a sky of any radiance, slice by slice of azimuth and from the zenith down to any
+// angle, as a vector whose product with a normal is the irradiance: TW10 Eq. 6 and 7, whose table
+// has the normal's angle as a second dimension. It needs none: a slice's light ends at the horizon
+// or where it meets the surface's plane, whichever is higher, and above that angle irradiance is
+// linear in the normal.
 layout(local_size_x = 16) in;
 
-// RGBA32F, rgb = radiance of a texel: columns counter-clockwise from east, an even number per slice;
-// rows upwards from the horizontal to the zenith; both of equal angles.
+// RGBA32F, rgb = radiance of a texel: columns counter-clockwise from east, an even number per
+// slice; rows upwards from the horizontal to the zenith; both of equal angles.
 uniform sampler2D sky;
-// A third of the rows each for red, green, blue; column k = slice about 2*pi*k/m from east; a third's first
-// row is the zenith, its last one the horizontal. xyz over pi.
+// A third of the rows each for red, green, blue; column k = slice about 2*pi*k/m from east; a
+// third's first row is the zenith, its last one the horizontal. xyz over pi.
 layout(rgba32f, binding = 0) writeonly uniform image2D skyTable;
 uniform int azimuths;
 
@@ -25,7 +26,8 @@ void main()
         imageStore(skyTable, ivec2(k, c * (size.y + 1)), vec4(0.0));
     for (int row = 0; row < size.y; ++row)
     {
-        // The integrals of cos sin and of sin^2 over the row, halved, and of 1, cos and sin over a column.
+        // The integrals of cos sin and of sin^2 over the row, halved, and of 1, cos and sin over a
+        // column.
         Angle top = HALF_PI * float(row) / float(size.y);
         Angle bottom = HALF_PI * float(row + 1) / float(size.y);
         float upward = 0.5 * (sin(bottom) * sin(bottom) - sin(top) * sin(top));

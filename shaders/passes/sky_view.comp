@@ -1,6 +1,6 @@
 // Sky-view factor of every post from its horizons: the irradiance, over pi, of a uniform sky of
-// radiance 1 above the horizontal (TW10 Eq. 5), or one of the two other definitions in use. SKY_TABLE: the
-// light of a sky of any radiance instead.
+// radiance 1 above the horizontal (TW10 Eq. 5), or one of the two other definitions in use.
+// SKY_TABLE: the light of a sky of any radiance instead.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D heights; // R32F [m], framed by `frame` void posts, row 0 south
