@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Format, file names, the dialect of shaders/lib, shell scripts. Usage: lint.sh [ROOT], or
+# Format, file names, the dialect of shaders/lib, shell scripts, links between documents. Usage: lint.sh [ROOT], or
 # lint.sh --self-test, which plants a fault per rule and must find each.
 set -euo pipefail
 self=$(realpath "${BASH_SOURCE[0]}")
@@ -17,6 +17,14 @@ real good(vec2 v, Pair flat_pair) { Pair p; p.x = v.x + real(1.5); return p.x * 
 GLSL
   printf 'int main()\n{\n    return 0;\n}\n' >"$root/tests/core/good_test.cpp"
   echo '#include "good.glsl"' >"$root/shaders/lib/all.glsl"
+  cat >"$root/good.md" <<'MARKDOWN'
+# A page: `code` and dashes - twice
+[itself](#a-page-code-and-dashes---twice), [a file](shaders/lib/good.glsl), [elsewhere](https://example.org/no.md#x)
+`[not a link](no.md)`
+```
+[nor this](no.md)
+```
+MARKDOWN
   "$self" "$root" || { echo "lint --self-test: faults found in a good tree"; exit 1; }
 
   cat >"$root/shaders/lib/BadName.glsl" <<'GLSL'
@@ -35,6 +43,7 @@ GLSL
   printf 'int  main( ){}\n' >"$root/plugin/src/core/bad_format.cpp"
   printf 'int camel;\n' >"$root/tests/core/Camel_test.cpp"
   printf '#!/usr/bin/env bash\nif true\n' >"$root/tests/broken.sh"
+  printf '[a](no.md)\n![b](no.png)\n[c](good.md#none), [d](#none)\n' >"$root/bad.md"
   if "$self" "$root" >"$root/out" 2>&1; then
     echo "lint --self-test: the bad tree passed"
     exit 1
@@ -44,6 +53,7 @@ GLSL
     BadName.glsl:{4:.*layout,4:.*buffer,5:.*shared,6:.*float,7:.*\'out\',7:.*inout,7:.*barrier} \
     BadName.glsl:{8:.*dFdx,8:.*double,8:.*gl_FragCoord,8:.*\\.xy,8:.*\\.rgb,10:.*Ray,11:.*array} \
     'bad_format.cpp: .*PascalCase' 'bad_format.cpp:1:.*clang-format' \
+    'bad.md:1: .*no.md' 'bad.md:2: .*no.png' 'bad.md:3: .*good.md#none' "bad.md:3: '#none" \
     'Camel_test.cpp: .*snake_case' 'broken.sh: .*run bit' 'broken.sh: line [0-9]*: syntax error'; do
     if ! grep -q -e "$fault" "$root/out"; then
       echo "lint --self-test: planted and not found: $fault"
@@ -141,6 +151,29 @@ for file in files:
         if file.suffix in (".h", ".cpp", ".glsl", ".comp", ".vert", ".frag"):
             if not re.fullmatch(name, file.stem):
                 complain(file, "file name should be snake_case")
+
+
+def anchors(text):
+    """What GitHub makes of the headings: lower case, no punctuation, blanks to hyphens."""
+    headings = re.findall(r"^#+ +(.*?) *$", re.sub(r"^```.*?^```", "", text, flags=re.S | re.M), re.M)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+for file in files:
+    if file.suffix != ".md":
+        continue
+    text = file.read_text()
+    prose = re.sub(r"^```.*?^```|`[^`\n]*`", lambda m: "\n" * m[0].count("\n"), text, flags=re.S | re.M)
+    for number, line in enumerate(prose.split("\n"), 1):
+        for target in re.findall(r"\]\(([^)\s]+)\)", line):
+            path, _, anchor = target.partition("#")
+            if re.match(r"\w+:", target):
+                continue  # elsewhere
+            page = file.parent / path if path else file
+            if not page.exists():
+                complain(f"{file}:{number}", f"'{target}': no such file")
+            elif anchor and anchor not in anchors(page.read_text()):
+                complain(f"{file}:{number}", f"'{target}': no such heading")
 sys.exit(status)
 PYTHON
 exit "$status"

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Writes docs/BOUNCES.md and its pictures: time of one bounce against its error, from runs of `terrainlight
+# Writes docs/measurements/BOUNCES.md and its pictures: time of one bounce against its error, from runs of `terrainlight
 # bench`. Usage: bounces.sh [TERRAINLIGHT [RESULTS]]: the program to measure, and a folder for its CSV and
 # pictures. What RESULTS holds already is not measured again: remove it to do so.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 tool=${1:-build/bin/terrainlight}
 results=${2:-build/bounces}
-mkdir -p "$results" docs/images
-document=docs/BOUNCES.md
+mkdir -p "$results" docs/measurements/images
+document=docs/measurements/BOUNCES.md
 measured=()
 
 # measure NAME TITLE ARGUMENT...: one terrain.
@@ -21,7 +21,7 @@ measure()
       --methods sweep-draft,sweep-normal,sweep-best,subsampled-2,subsampled-4,legendre \
       --csv "$files.csv" --plot "$files.svg" -q >"$files.txt"
   fi
-  cp "$files.svg" "docs/images/bounces_$name.svg"
+  cp "$files.svg" "docs/measurements/images/bounces_$name.svg"
   measured+=("$name:$title")
 }
 measure fractal "Generated fractal, 30 m" --generate fractal --size 128
@@ -32,17 +32,21 @@ fact() { sed -n "s/^$1: *//p" "$results/fractal.txt"; }
   cat <<'MARKDOWN'
 # Bounces: speed against error
 
-One bounce of sky and sun, albedo 0.5: time of everything against the error of the bounce, as `terrainlight bench` measures it with the path
-tracer as truth. `sweep-…` are the three qualities by exact slices, `subsampled-2` and `subsampled-4` the default with far terrain looked at from every second and fourth post, `legendre` the scheme of
-Nowrouzezahrai and Snyder 2009, whole (direct light, too), in the quality `normal`, which is finer than its own k = 4, o = 2. `*` marks the
-Pareto front. `legendre` alone is the front before; [ARCHITECTURE](ARCHITECTURE.md) has the steps between. Written by `tests/bench/bounces.sh`.
+This page is written by `tests/bench/bounces.sh`. It has one bounce of sky and sun with albedo 0.5. Time is that of all stages. The error is
+that of the bounce, as `terrainlight bench` measures it against the path tracer. [The method](../methods/bounces.md) has its own page.
+
+- `sweep-draft`, `sweep-normal` and `sweep-best` are the three qualities of the default method (exact slices).
+- `subsampled-2` and `subsampled-4` are the default with light from far terrain gathered once per block of 2 × 2 and 4 × 4 posts.
+- `legendre` is the scheme of Nowrouzezahrai and Snyder 2009 for all light, direct light too, in the quality `normal`. This is finer than the
+  paper's own k = 4, o = 2.
+- `*` marks the Pareto front.
 
 MARKDOWN
   echo "Device: $(fact Device). Processor: $(nproc) cores of $(
     sed -n 's/^model name[^:]*: *//p' /proc/cpuinfo | head -n 1). Date: $(
     sed -n '/^terrainlight/s/.*, \(....-..-..\)T.*/\1/p' "$results/fractal.txt"). Sun: $(fact Sun)."
   [[ $(fact Device) != *"(software)"* ]] ||
-    echo "The GPU is a program here: read times as ratios within one table, not as what a GPU takes."
+    echo "This is software OpenGL. Read times as ratios within one table, not as the times of a GPU."
   for entry in "${measured[@]}"; do
     name=${entry%%:*}
     printf '\n## %s\n\n![Time against error](images/bounces_%s.svg)\n\n' "${entry#*:}" "$name"

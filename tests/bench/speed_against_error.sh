@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Writes docs/SPEED_AGAINST_ERROR.md and its pictures from runs of `terrainlight bench`.
+# Writes docs/measurements/SPEED_AGAINST_ERROR.md and its pictures from runs of `terrainlight bench`.
 # Usage: speed_against_error.sh [TERRAINLIGHT [RESULTS]]: the program to measure, and a folder for its
 # CSV, JSON and pictures. What RESULTS holds already is not measured again: remove it to do so.
 set -euo pipefail
@@ -8,8 +8,8 @@ tool=${1:-build/bin/terrainlight}
 results=${2:-build/speed_against_error}
 dems=../shared/data/dem
 sun=315,15
-mkdir -p "$results" docs/images
-document=docs/SPEED_AGAINST_ERROR.md
+mkdir -p "$results" docs/measurements/images
+document=docs/measurements/SPEED_AGAINST_ERROR.md
 
 measured=()
 
@@ -23,7 +23,7 @@ measure()
     "$tool" bench "$@" --sun "$sun" --repeats 3 --csv "$files.csv" --json "$files.json" \
       --plot "$files.svg" >"$files.txt"
   fi
-  cp "$files.svg" "docs/images/speed_against_error_$name.svg"
+  cp "$files.svg" "docs/measurements/images/speed_against_error_$name.svg"
   measured+=("$name:$title")
 }
 
@@ -64,9 +64,8 @@ fact() { sed -n "s/^$1: *//p" "$results/jacksboro.txt"; }
   cat <<'MARKDOWN'
 # Speed against error
 
-What each method and number of azimuths costs, and how wrong it is, as `terrainlight bench` measures it.
-[TOOL](TOOL.md) says what the columns mean; `*` marks the Pareto front of GPU time against that error. This page
-is written by `tests/bench/speed_against_error.sh`.
+This page is written by `tests/bench/speed_against_error.sh`. It has the time and the error of each method and number of azimuths, as
+`terrainlight bench` measures them. [TOOL](../TOOL.md#bench) explains the columns. `*` marks the Pareto front of GPU time against that error.
 
 MARKDOWN
   echo "Device: $(fact Device). Processor: $(nproc) cores of $(
@@ -74,27 +73,26 @@ MARKDOWN
     sed -n '/^terrainlight/s/.*, \(....-..-..\)T.*/\1/p' "$results/jacksboro.txt")."
   echo "Sun: $(fact Sun). Times: $(fact Times). Reference: $(fact Reference)."
   [[ $(fact Device) != *"(software)"* ]] ||
-    echo "The GPU is a program here: read times as ratios within one table, not as what a GPU takes."
+    echo "This is software OpenGL. Read times as ratios within one table, not as the times of a GPU."
   cat <<'MARKDOWN'
-Errors do not depend on the machine, but for its rounding.
+Errors do not depend on the machine, except for its rounding.
 
 ## What to choose
 
-**Azimuths buy sky, quality buys horizons and shadows; neither stands in for the other.** The sky-view factor's error falls
-to about a third with each doubling of the azimuths, some 0.5 to 0.7 % at 8, 0.2 % at 16, 0.06 % at 32 and 0.025 % at 64
-on mountains, and is the same for all three qualities: so many azimuths at `draft` are the cheapest good sky.
-The horizons' own error depends on quality; few azimuths only seem better, since they lie on axes and diagonals, which are
-easiest. Time goes with the number of azimuths; `normal` costs 15 to 45 % more than `draft`, most with few azimuths, where
-the sun's finer horizon counts, and `best` two to two and a half times as much as `draft`.
+**More azimuths make the sky more exact. A higher quality makes horizons and shadows more exact. Neither replaces the other.** On
+mountains, the error of the sky-view factor is 0.5 to 0.7 % with 8 azimuths, 0.2 % with 16, 0.06 % with 32 and 0.025 % with 64. It falls to
+about a third with each doubling, and it is the same for all three qualities. The cheapest good sky is therefore many azimuths with `draft`.
+The error of the horizons themselves depends on the quality. With few azimuths it only seems smaller, because these lie on axes and
+diagonals, which are easiest. Time is proportional to the number of azimuths. `normal` takes 15 to 45 % more time than `draft`. The
+difference is largest with few azimuths, because of the sun's finer horizon. `best` takes 2 to 2.5 times as long as `draft`.
 
-**In the light that one sees, the sun limits `draft` and the sky limits `normal`.** With `draft` a few posts on the wrong
-side of a shadow's edge hold the error of the shading at 0.1 % on hills and 0.3 % on mountains, however many azimuths
-follow. With `normal` it goes on falling: 0.04 to 0.15 % with 16 azimuths, 0.02 to 0.11 % with 32, the default; `best` takes
-up to half of that away, at nearly twice the time, and is for horizon maps and cliffs. So `normal` with 16 azimuths is the
-place to start, and `draft` with 8 while something moves. Cliffs, walls and one-post spikes raise the
-shading's error to 0.65 % with 16 azimuths and 0.4 % with 32. The last 0.02 % are the shading texture's 16-bit floats, which
-no setting changes. A lower sun than this one makes more shadows to be wrong in, and a plain fewer: measure your
-own terrain and machine with `terrainlight bench`, or let `--max-error` and `--max-ms` choose.
+**In the light that one sees, the sun limits `draft`, and the sky limits `normal`.** With `draft`, a few posts on the wrong side of a
+shadow's edge keep the error of the shading at 0.1 % on hills and 0.3 % on mountains, whatever the number of azimuths. With `normal` the error
+continues to fall: it is 0.04 to 0.15 % with 16 azimuths and 0.02 to 0.11 % with 32, the default. `best` removes up to half of that at nearly
+twice the time; use it for horizon maps and cliffs. Start with `normal` and 16 azimuths, and use `draft` with 8 while something moves. On
+cliffs, walls and one-post spikes the error of the shading is 0.65 % with 16 azimuths and 0.4 % with 32. The last 0.02 % is the rounding of the
+shading texture's 16-bit floats, and no setting changes it. A lower sun makes more shadows and so a greater error; a plain has a smaller one.
+Measure your own terrain and machine with `terrainlight bench`, or let `--max-error` and `--max-ms` choose.
 
 MARKDOWN
   for entry in "${measured[@]}"; do

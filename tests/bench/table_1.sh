@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Writes docs/TABLE_1.md and its picture: table 1 of Nowrouzezahrai and Snyder 2009, row by row, from runs
+# Writes docs/measurements/TABLE_1.md and its picture: table 1 of Nowrouzezahrai and Snyder 2009, row by row, from runs
 # of `terrainlight bench`. Usage: table_1.sh [--quick] [TERRAINLIGHT [RESULTS]]: the program to measure,
 # and a folder for its CSV. What RESULTS holds already is not measured again: remove it to do so.
 # --quick: 64 and 128 posts a side, and document and picture in RESULTS.
@@ -15,7 +15,7 @@ fi
 tool=${1:-build/bin/terrainlight}
 results=${2:-build/table_1${quick:+_quick}}
 document=${quick:+$results/TABLE_1.md}
-document=${document:-docs/TABLE_1.md}
+document=${document:-docs/measurements/TABLE_1.md}
 picture=$(dirname "$document")/images/table_1.svg
 mkdir -p "$results" "$(dirname "$picture")"
 
@@ -212,22 +212,24 @@ fact() { sed -n "s/^$1: *//p" "$results/${sizes[0]}_1_draft.txt"; }
   cat <<'MARKDOWN'
 # Table 1
 
-Table 1 of Nowrouzezahrai and Snyder 2009, row by row: rate and memory against resolution, sub-sampling and bounces,
-with 32 azimuths, a sky and a sun (the paper: an environment, and a key light of three azimuths, as our sun has).
-The terrain is a generated fractal; all of it, horizons too, is computed anew each time. Rates are 1000 / GPU milliseconds of all
-stages; the paper's, on a GTX 285 without shading amortisation, hold the drawing of the terrain, too. MB are
-10⁶ bytes of all textures and hulls. This page is written by `tests/bench/table_1.sh`.
+This page is written by `tests/bench/table_1.sh`. It repeats table 1 of Nowrouzezahrai and Snyder 2009 row by row: rate and memory against
+resolution, sub-sampling and number of bounces.
+
+The light is a sky and a sun, with 32 azimuths. The paper has an environment and a key light of three azimuths; our sun has three azimuths
+too. The terrain is a generated fractal. Everything, horizons included, is computed again each time. A rate is 1000 / GPU
+milliseconds of all stages. The rates of the paper were measured on a GTX 285 without shading amortisation and contain the drawing of the terrain. MB are 10⁶ bytes
+of all textures and hulls.
 
 MARKDOWN
   echo "Device: $(fact Device). Processor: $(nproc) cores of $(
     sed -n 's/^model name[^:]*: *//p' /proc/cpuinfo | head -n 1). Date: $(
     sed -n '/^terrainlight/s/.*, \(....-..-..\)T.*/\1/p' "$results/${sizes[0]}_1_draft.txt")."
   [[ $(fact Device) != *"(software)"* ]] ||
-    echo "The GPU is a program here: read its rates as ratios, not beside the paper's."
+    echo "This is software OpenGL. Read its rates as ratios, not beside those of the paper."
   echo
   echo "![cost against bounces and posts](images/table_1.svg)"
   echo
-  echo "Lines on the left are least squares; dotted lines on the right are proportional to the posts."
+  echo "The lines on the left are least-squares fits. The dotted lines on the right are proportional to the number of posts."
   echo
   echo "## The paper's method: \`legendre\` at \`draft\`, which has its k = 4"
   echo
@@ -235,14 +237,14 @@ MARKDOWN
   echo
   echo "## The default, \`slices\` at \`normal\`"
   echo
-  echo "Sub-sampling is that of far terrain in bounces alone: horizons, direct light and what is near stay at full resolution."
+  echo "Sub-sampling affects only the light of far terrain in bounces. Horizons, direct light and near terrain keep the full resolution."
   echo
   table default
   cat <<'MARKDOWN'
 
 ## Linear in bounces?
 
-Least squares of milliseconds = a + b · bounces; the last column is the greatest distance of the three from that line.
+Least-squares fit of milliseconds = a + b · bounces. The last column is the greatest distance of the three from that line.
 
 | method | sub-sampling | posts | a, ms | b, ms per bounce | off by |
 |---|---|---|---|---|---|
@@ -253,9 +255,8 @@ MARKDOWN
 
 ## Linear in posts?
 
-Milliseconds of one bounce: the exponent of the posts by least squares of logarithms (1: linear), the best proportion,
-and the greatest distance from that. Reaches grow with the tile, and samples along a ray with the logarithm of
-the reach.
+Milliseconds of one bounce: the exponent of the number of posts from a least-squares fit of logarithms (1: linear), the best proportional
+fit, and the greatest distance from it. The reach grows with the tile, and the number of samples along a ray grows with the logarithm of the reach.
 
 | method | sub-sampling | exponent | ns per post | off by |
 |---|---|---|---|---|

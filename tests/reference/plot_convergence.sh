@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Draws docs/images/path_tracer_convergence.svg: the path tracer's error against its paths. Needs
+# Draws docs/measurements/images/path_tracer_convergence.svg: the path tracer's error against its paths. Needs
 # gnuplot. Usage: plot_convergence.sh [BUILD_FOLDER].
 set -euo pipefail
 root=$(realpath "$(dirname "${BASH_SOURCE[0]}")/../..")
@@ -10,7 +10,7 @@ OTL_CONVERGENCE_CSV=$csv "$build/bin/reference_tests" \
   --gtest_filter=PathTracerErrors.FallWithTheSamples
 gnuplot <<GNUPLOT
 set terminal svg size 640,420 font "sans,13" background "white"
-set output "$root/docs/images/path_tracer_convergence.svg"
+set output "$root/docs/measurements/images/path_tracer_convergence.svg"
 set datafile separator ","
 set logscale xy
 set format x "2^{%L}"
