@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Format, file names, the dialect of shaders/lib, shell scripts, links between documents. Usage: lint.sh [ROOT], or
-# lint.sh --self-test, which plants a fault per rule and must find each.
+# Format, file names, the dialect of shaders/lib, shell scripts, links between documents. Usage:
+# lint.sh [ROOT], or lint.sh --self-test, which plants a fault per rule and must find each.
 set -euo pipefail
 self=$(realpath "${BASH_SOURCE[0]}")
 
@@ -19,7 +19,8 @@ GLSL
   echo '#include "good.glsl"' >"$root/shaders/lib/all.glsl"
   cat >"$root/good.md" <<'MARKDOWN'
 # A page: `code` and dashes - twice
-[itself](#a-page-code-and-dashes---twice), [a file](shaders/lib/good.glsl), [elsewhere](https://example.org/no.md#x)
+[itself](#a-page-code-and-dashes---twice), [a file](shaders/lib/good.glsl)
+[elsewhere](https://example.org/no.md#x)
 `[not a link](no.md)`
 ```
 [nor this](no.md)
@@ -155,7 +156,8 @@ for file in files:
 
 def anchors(text):
     """What GitHub makes of the headings: lower case, no punctuation, blanks to hyphens."""
-    headings = re.findall(r"^#+ +(.*?) *$", re.sub(r"^```.*?^```", "", text, flags=re.S | re.M), re.M)
+    prose = re.sub(r"^```.*?^```", "", text, flags=re.S | re.M)
+    headings = re.findall(r"^#+ +(.*?) *$", prose, re.M)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
@@ -163,7 +165,8 @@ for file in files:
     if file.suffix != ".md":
         continue
     text = file.read_text()
-    prose = re.sub(r"^```.*?^```|`[^`\n]*`", lambda m: "\n" * m[0].count("\n"), text, flags=re.S | re.M)
+    prose = re.sub(r"^```.*?^```|`[^`\n]*`", lambda m: "\n" * m[0].count("\n"), text,
+                   flags=re.S | re.M)
     for number, line in enumerate(prose.split("\n"), 1):
         for target in re.findall(r"\]\(([^)\s]+)\)", line):
             path, _, anchor = target.partition("#")
