@@ -2,6 +2,7 @@
 
 #include "io/LightParameters.h"
 
+#include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include <cpl_conv.h>
@@ -242,10 +243,19 @@ class KeysOff : public osg::NodeVisitor
 public:
     KeysOff() : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN) {}
 
+    static LightingHandler* handlerOf(TerrainLighting& lighting)
+    {
+        osg::Callback* each = lighting.getEventCallback();
+        while (each && !dynamic_cast<LightingHandler*>(each))
+            each = each->getNestedCallback();
+        return dynamic_cast<LightingHandler*>(each);
+    }
+
     void apply(osg::Group& group) override
     {
         if (auto* lighting = dynamic_cast<TerrainLighting*>(&group))
-            lighting->setKeysEnabled(false);
+            while (auto* keys = handlerOf(*lighting))
+                lighting->removeEventCallback(keys);
         traverse(group);
     }
 };

@@ -3,6 +3,7 @@
 #include "Heights.h"
 
 #include <osgTerrainLight/DynamicTerrain.h>
+#include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include <osgDB/ReadFile>
@@ -252,10 +253,10 @@ int main(int argc, char** argv)
     settings.bounces = bounces;
     settings.subsampling = 4;
     lit->setSettings(settings);
-    lit->setKeysEnabled(true);
 
     osgViewer::Viewer viewer;
     viewer.setSceneData(lit);
+    viewer.addEventHandler(new LightingHandler(lit));
     viewer.addEventHandler(new Digger(*ground, shown));
     if (frames > 0)
         return drawFrames(viewer, *lit, ground->tile, frames, picture);

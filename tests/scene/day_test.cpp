@@ -1,4 +1,5 @@
 // The sun by time and place in a scene: settings, reader options, keys and the clock on screen.
+#include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include "io/EarthFile.h"
@@ -10,6 +11,7 @@
 #include <osg/ApplicationUsage>
 #include <osgDB/Registry>
 #include <osgGA/EventVisitor>
+#include <osgViewer/Viewer>
 
 #include <gtest/gtest.h>
 
@@ -118,7 +120,7 @@ TEST(Day, TheSunFollowsTimeAndPlaceUntilItIsMoved)
 TEST(Day, KeysRunIt)
 {
     osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
-    lighting->setKeysEnabled(true);
+    lighting->addEventCallback(new LightingHandler);
     lighting->setPlace(jacksboro);
     const UtcTime start = at("2024-06-21T15:00Z");
     lighting->setTime(start);
@@ -173,7 +175,7 @@ TEST(Day, KeysRunIt)
 TEST(Day, KeysWithoutAPlaceSayWhatIsNeeded)
 {
     osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
-    lighting->setKeysEnabled(true);
+    lighting->addEventCallback(new LightingHandler);
     const double azimuth = lighting->getSkyLight().sunAzimuth;
     Window window(*lighting);
     Said said;
@@ -253,7 +255,7 @@ TEST(Day, TheClockIsOnScreenWhileThereIsATime)
             count += picture.pixels()[static_cast<std::size_t>(4 * i)] > 200;
         return count;
     };
-    lighting->setKeysEnabled(true);
+    lighting->addEventCallback(new LightingHandler);
     picture.draw(2);
     EXPECT_EQ(whiteTexels(0, ScenePicture::size), 0) << "no time, no clock";
     lighting->setTime(at("2024-06-21T15:00Z"));
@@ -268,7 +270,31 @@ TEST(Day, TheClockIsOnScreenWhileThereIsATime)
     lighting->setTime(at("2035-08-19T15:38Z")); // the date is what so small a picture shows
     picture.draw(2);
     EXPECT_NE(picture.pixels(), before);
-    lighting->setKeysEnabled(false);
+    lighting->removeEventCallback(lighting->getEventCallback());
     picture.draw(2);
     EXPECT_EQ(whiteTexels(0, ScenePicture::size), 0);
+}
+
+// Expected: added to a viewer a handler changes the lighting that it was given, and nothing once
+// that is gone.
+TEST(Day, AViewersHandlerChangesTheLightingThatItWasGiven)
+{
+    osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
+    lighting->setPlace(jacksboro);
+    const UtcTime start = at("2024-06-21T15:00Z");
+    lighting->setTime(start);
+    osgViewer::Viewer viewer;
+    const osg::ref_ptr<LightingHandler> handler = new LightingHandler(lighting);
+    const auto press = [&]
+    {
+        const osg::ref_ptr<osgGA::GUIEventAdapter> event = new osgGA::GUIEventAdapter;
+        event->setEventType(osgGA::GUIEventAdapter::KEYDOWN);
+        event->setKey('j');
+        // As Viewer::eventTraversal() does.
+        return handler->handle(*event, viewer, nullptr, nullptr);
+    };
+    EXPECT_TRUE(press());
+    expectSunOf(*lighting, start + std::chrono::hours(1), jacksboro);
+    lighting = nullptr;
+    EXPECT_FALSE(press());
 }

@@ -1,4 +1,5 @@
 #include <osgTerrainLight/Environment.h>
+#include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/SunPosition.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
@@ -70,7 +71,7 @@ TEST(Plugin, ReadsADem)
     TerrainLighting* lighting = lightingOf(result);
     ASSERT_TRUE(lighting) << result.message();
     EXPECT_EQ(lighting->getNumChildren(), 1u);
-    EXPECT_TRUE(lighting->getKeysEnabled());
+    EXPECT_TRUE(dynamic_cast<LightingHandler*>(lighting->getEventCallback()));
     // 402 x 343 cells of 0.075 km x 0.092 km, about 0.84 km in height.
     EXPECT_NEAR(lighting->getBound().radius(), 21800.0, 300.0);
 }
@@ -322,7 +323,7 @@ TEST(Plugin, AveragesALargeRasterDown)
 TEST(Plugin, KeysChangeTheLightAndAreListed)
 {
     osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
-    lighting->setKeysEnabled(true);
+    lighting->addEventCallback(new LightingHandler);
     osg::ref_ptr<osgGA::EventVisitor> visitor = new osgGA::EventVisitor;
     Actions actions;
     visitor->setActionAdapter(&actions);

@@ -1,3 +1,4 @@
+#include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include "gpu/Textures.h"
@@ -736,7 +737,7 @@ TEST(TerrainLighting, GoesThroughAFileAndBack)
     lighting->setLightEnabled(false);
     lighting->setTextureUnit(4);
     lighting->setGlossLayer(3);
-    lighting->setKeysEnabled(true);
+    lighting->addEventCallback(new LightingHandler);
     lighting->addChild(createTerrain(coneTile()));
     for (const char* extension : {"osgt", "osgb", "osgx"})
     {
@@ -772,7 +773,7 @@ TEST(TerrainLighting, GoesThroughAFileAndBack)
         EXPECT_EQ(read->getSettings().glossExponent, 12.0);
         EXPECT_EQ(read->getSettings().glossTransfer, GlossTransfer::Scalar);
         EXPECT_EQ(read->getSettings().glossViewer, settings.glossViewer);
-        EXPECT_TRUE(read->getKeysEnabled());
+        EXPECT_TRUE(dynamic_cast<LightingHandler*>(read->getEventCallback()));
         EXPECT_EQ(read->getNumChildren(), 1u);
     }
 }
@@ -781,12 +782,12 @@ TEST(TerrainLighting, CopiesKeepTheirSettings)
 {
     osg::ref_ptr<TerrainLighting> lighting = litCone();
     lighting->setLightEnabled(false);
-    lighting->setKeysEnabled(true);
+    lighting->addEventCallback(new LightingHandler);
     const osg::ref_ptr<TerrainLighting> copy =
         osg::clone(lighting.get(), osg::CopyOp::DEEP_COPY_NODES);
     EXPECT_EQ(copy->getSettings().azimuths, 16);
     EXPECT_FALSE(copy->getLightEnabled());
-    EXPECT_TRUE(copy->getKeysEnabled());
+    EXPECT_FALSE(copy->getEventCallback()) << "OSG copies none";
     EXPECT_EQ(copy->getNumChildren(), 1u);
     EXPECT_EQ(copy->getTileCount(), 0u);
     EXPECT_EQ(copy->getNumChildrenRequiringUpdateTraversal(),

@@ -2,6 +2,7 @@
 // each window's picture. Arguments: threading model, count of windows. Exit code 0, or 77 where
 // there is no display.
 #include <osgTerrainLight/DynamicTerrain.h>
+#include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include "scene/TerrainModel.h"
@@ -235,14 +236,14 @@ int main(int argc, char** argv)
     {
         // A clock that runs, in all windows.
         lighting->setPlace({11.5, 48.1, 0.0});
-        lighting->setKeysEnabled(true);
+        lighting->addEventCallback(new LightingHandler);
         UtcTime time{};
         for (int i = 0; i < 40; ++i)
         {
             lighting->setTime(time + std::chrono::minutes(30 * i));
             viewer.frame();
         }
-        lighting->setKeysEnabled(false);
+        lighting->removeEventCallback(lighting->getEventCallback());
         lighting->setSkyLight(sky);
     }
     check(false, "after a day");

@@ -17,10 +17,6 @@
 #include <string>
 #include <vector>
 
-namespace osgGA
-{
-class GUIEventHandler;
-}
 namespace osgTerrain
 {
 class TerrainTile;
@@ -96,11 +92,6 @@ public:
     void setDefaultProgramEnabled(bool enabled) { _defaultProgramEnabled = enabled; }
     bool getDefaultProgramEnabled() const { return _defaultProgramEnabled; }
 
-    /// Whether keys in the viewer's window change the light; they are listed with the viewer's own.
-    /// While getTime() has one, the window then shows it, and where the sun stands. Default false.
-    void setKeysEnabled(bool enabled);
-    bool getKeysEnabled() const;
-
     /// Lights a host's own terrain, drawn below this node with `stateSet`. program: whether the
     /// default program is put on it as well; else the host's shaders read the texture. False, with
     /// a warning, where the tile has no post or the StateSet is taken. The StateSet is made
@@ -167,8 +158,6 @@ private:
     bool _glossBound = false;   ///< `_uniforms` has a texture for tiles that send none
     bool _glossIgnored = false; ///< by the method, and that has been said
     std::unique_ptr<Tiles> _tiles;
-    osg::ref_ptr<osgGA::GUIEventHandler> _keys;
-    osg::ref_ptr<osg::Node> _clock;        ///< of the keys
     osg::ref_ptr<osg::StateSet> _uniforms; ///< on all below
 };
 

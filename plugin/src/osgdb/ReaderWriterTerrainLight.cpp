@@ -1,6 +1,7 @@
 #include "io/EarthFile.h"
 #include "io/LightParameters.h"
 #include "scene/TerrainModel.h"
+#include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include <osg/Notify>
@@ -204,7 +205,7 @@ private:
             OSG_WARN << "osgTerrainLight: " << warning << std::endl;
         for (const std::string& note : model.notes)
             OSG_NOTICE << "osgTerrainLight: " << note << std::endl;
-        model.node->setKeysEnabled(true);
+        model.node->addEventCallback(new LightingHandler);
         return ReadResult(model.node.get());
     }
 };

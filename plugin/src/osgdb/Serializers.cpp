@@ -1,6 +1,7 @@
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include <osgTerrainLight/Environment.h>
+#include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/SunPosition.h>
 
 #include <osg/Notify>
@@ -203,6 +204,28 @@ static bool writeKeyLights(osgDB::OutputStream& os, const osgTerrainLight::Terra
     return true;
 }
 
+// Of older files: keys are now an event callback, which is saved as one. A user's serializer with
+// no body has the binary form of the bool that it was.
+static bool checkKeysEnabled(const osgTerrainLight::TerrainLighting&)
+{
+    return false;
+}
+
+static bool readKeysEnabled(osgDB::InputStream& is, osgTerrainLight::TerrainLighting& node)
+{
+    bool enabled = true;
+    if (!is.isBinary())
+        is >> enabled;
+    if (enabled)
+        node.addEventCallback(new osgTerrainLight::LightingHandler);
+    return true;
+}
+
+static bool writeKeysEnabled(osgDB::OutputStream&, const osgTerrainLight::TerrainLighting&)
+{
+    return true;
+}
+
 static bool checkSettings(const osgTerrainLight::TerrainLighting&)
 {
     return true;
@@ -283,6 +306,16 @@ REGISTER_OBJECT_WRAPPER(osgTerrainLight_TerrainLighting, new osgTerrainLight::Te
     ADD_DOUBLE_SERIALIZER(TimeBudget, 50.0);
     ADD_UINT_SERIALIZER(TextureUnit, osgTerrainLight::ShadingTexture::defaultUnit);
     ADD_BOOL_SERIALIZER(DefaultProgramEnabled, true);
-    ADD_BOOL_SERIALIZER(KeysEnabled, false);
+    ADD_USER_SERIALIZER(KeysEnabled);
     ADD_INT_SERIALIZER(GlossLayer, -1);
 }
+
+namespace handler // each wrapper's macro declares MyClass
+{
+REGISTER_OBJECT_WRAPPER(osgTerrainLight_LightingHandler, new osgTerrainLight::LightingHandler,
+                        osgTerrainLight::LightingHandler,
+                        "osg::Object osg::Callback osg::NodeCallback "
+                        "osgTerrainLight::LightingHandler")
+{
+}
+} // namespace handler

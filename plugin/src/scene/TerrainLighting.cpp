@@ -7,17 +7,14 @@
 #include "gpu/ShaderLibrary.h"
 #include "io/LightParameters.h"
 #include "scene/DisplacedProgram.h"
-#include "scene/KeyHandler.h"
 #include "scene/ShadingBinding.h"
 #include "scene/TerrainTileReader.h"
 #include "scene/TileSet.h"
 #include <osgTerrainLight/Environment.h>
 
 #include <osg/Camera>
-#include <osg/DisplaySettings>
 #include <osg/Drawable>
 #include <osg/Notify>
-#include <osgGA/EventVisitor>
 #include <osgTerrain/GeometryTechnique>
 #include <osgTerrain/Terrain>
 #include <osgUtil/CullVisitor>
@@ -736,7 +733,6 @@ TerrainLighting::TerrainLighting(const TerrainLighting& other, const osg::CopyOp
     applyUniforms();
     setLightEnabled(other._lightEnabled);
     setTimeBudget(other.getTimeBudget());
-    setKeysEnabled(other.getKeysEnabled());
 }
 
 TerrainLighting::~TerrainLighting() = default;
@@ -918,25 +914,6 @@ double TerrainLighting::getTimeBudget() const
     return _tiles->set->budget;
 }
 
-void TerrainLighting::setKeysEnabled(bool enabled)
-{
-    if (enabled == getKeysEnabled())
-        return;
-    const osg::ref_ptr<KeyHandler> keys = enabled ? new KeyHandler(*this) : nullptr;
-    _keys = keys;
-    _clock = keys ? keys->clock() : nullptr;
-    if (_clock) // contexts that exist already draw it from threads of their own
-        _clock->resizeGLObjectBuffers(
-            osg::DisplaySettings::instance()->getMaxNumberOfGraphicsContexts());
-    const unsigned others = getNumChildrenRequiringEventTraversal();
-    setNumChildrenRequiringEventTraversal(enabled ? others + 1 : others - 1);
-}
-
-bool TerrainLighting::getKeysEnabled() const
-{
-    return _keys.valid();
-}
-
 bool TerrainLighting::addTile(const DemTile& tile, osg::StateSet* stateSet,
                               const ShadingCoordinates& coordinates, bool program)
 {
@@ -1023,15 +1000,8 @@ void TerrainLighting::traverse(osg::NodeVisitor& visitor)
         cull->pushStateSet(_uniforms);
         osg::Group::traverse(visitor);
         cull->popStateSet();
-        // In a viewer's window; not in mirrors and shadow maps of its scene.
-        if (_clock && cull->getCurrentCamera()->getView())
-            _clock->accept(visitor);
         return;
     }
-    osgGA::EventVisitor* events = _keys ? visitor.asEventVisitor() : nullptr;
-    if (events)
-        for (const auto& event : events->getEvents())
-            _keys->handle(event, this, &visitor);
     osg::Group::traverse(visitor);
     if (visitor.getVisitorType() == osg::NodeVisitor::UPDATE_VISITOR)
         _tiles->update();
@@ -1049,8 +1019,6 @@ void TerrainLighting::releaseGLObjects(osg::State* state) const
     _tiles->forEach([&](LitTile& tile) { tile.lighting().releaseGLObjects(state); });
     _tiles->set->forget(state ? state->getContextID() : ~0u);
     _tiles->camera->releaseGLObjects(state);
-    if (_clock)
-        _clock->releaseGLObjects(state);
     if (_tiles->noGloss)
         _tiles->noGloss->releaseGLObjects(state);
 }
@@ -1074,8 +1042,6 @@ void TerrainLighting::resizeGLObjectBuffers(unsigned size)
     osg::Group::traverse(resizer);
     _tiles->forEach([&](LitTile& tile) { tile.lighting().resizeGLObjectBuffers(size); });
     _tiles->camera->resizeGLObjectBuffers(size);
-    if (_clock)
-        _clock->resizeGLObjectBuffers(size);
     if (_tiles->noGloss)
         _tiles->noGloss->resizeGLObjectBuffers(size);
 }

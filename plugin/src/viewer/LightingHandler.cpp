@@ -1,9 +1,15 @@
-#include "scene/KeyHandler.h"
+#include <osgTerrainLight/LightingHandler.h>
+
+#include "viewer/ClockDisplay.h"
 
 #include <osgTerrainLight/Environment.h>
+#include <osgTerrainLight/TerrainLighting.h>
 
 #include <osg/ApplicationUsage>
+#include <osg/DisplaySettings>
+#include <osg/observer_ptr>
 #include <osgGA/GUIActionAdapter>
+#include <osgUtil/CullVisitor>
 
 #include <algorithm>
 #include <chrono>
@@ -91,37 +97,117 @@ void raiseSun(SkyLight& sky, double degrees)
     if (!sky.environment)
         sky.sunElevation = std::clamp(sky.sunElevation + degrees, -90.0, 90.0);
 }
+
+/// Draws the clock with the lighting that it is a cull callback of: in a viewer's window, not in
+/// mirrors and shadow maps of its scene.
+class ClockCallback : public osg::NodeCallback
+{
+public:
+    explicit ClockCallback(ClockDisplay* clock) : _clock(clock) {}
+    // Files name it as the stock callback, which does nothing.
+
+    ClockDisplay& clock() const { return *_clock; }
+
+    void operator()(osg::Node* node, osg::NodeVisitor* visitor) override
+    {
+        traverse(node, visitor);
+        osgUtil::CullVisitor* cull = visitor->asCullVisitor();
+        if (cull && cull->getCurrentCamera()->getView())
+            _clock->accept(*visitor);
+    }
+    void resizeGLObjectBuffers(unsigned size) override
+    {
+        _clock->resizeGLObjectBuffers(size);
+        osg::resizeGLObjectBuffers(getNestedCallback(), size);
+    }
+    void releaseGLObjects(osg::State* state) const override
+    {
+        _clock->releaseGLObjects(state);
+        osg::releaseGLObjects(const_cast<osg::Callback*>(getNestedCallback()), state);
+    }
+
+private:
+    ~ClockCallback() override = default;
+    osg::ref_ptr<ClockDisplay> _clock;
+};
 } // namespace
 
-KeyHandler::KeyHandler(TerrainLighting& lighting) : _lighting(&lighting), _clock(new ClockDisplay)
+/// What the keys do to one lighting.
+struct LightingHandler::Implementation
+{
+    explicit Implementation(TerrainLighting* lighting) : given(lighting) {}
+    ~Implementation();
+
+    bool handle(const osgGA::GUIEventAdapter& event, TerrainLighting& lighting,
+                osgGA::GUIActionAdapter& action);
+    bool handleKey(int key, TerrainLighting& lighting);
+    void runClock(double now, TerrainLighting& lighting, osgGA::GUIActionAdapter& action);
+    void show(TerrainLighting& lighting, const std::string& text);
+
+    osg::observer_ptr<TerrainLighting> given;
+    osg::observer_ptr<TerrainLighting> shown; ///< that draws the clock
+    osg::ref_ptr<ClockCallback> callback;
+    bool running = false;
+    double speed = 600.0;   ///< seconds of the day per second
+    double lastFrame = 0.0; ///< while it runs [s]
+};
+
+LightingHandler::LightingHandler(TerrainLighting* lighting)
+    : _implementation(new Implementation(lighting))
 {
     // A viewer asks its own handlers for their keys, not those in the scene; but stock viewers'
     // help starts from this list.
     getUsage(*osg::ApplicationUsage::instance());
 }
 
-void KeyHandler::getUsage(osg::ApplicationUsage& usage) const
+LightingHandler::LightingHandler(const LightingHandler& other, const osg::CopyOp& copyop)
+    : osg::Object(other, copyop), osg::Callback(other, copyop), osgGA::GUIEventHandler(other,
+                                                                                       copyop),
+      _implementation(new Implementation(other._implementation->given.get()))
+{
+}
+
+LightingHandler::~LightingHandler() = default;
+
+void LightingHandler::getUsage(osg::ApplicationUsage& usage) const
 {
     for (const Key& key : keys)
         usage.addKeyboardMouseBinding(key.name, key.meaning);
 }
 
-bool KeyHandler::handle(const osgGA::GUIEventAdapter& event, osgGA::GUIActionAdapter& action)
+bool LightingHandler::handle(const osgGA::GUIEventAdapter& event, osgGA::GUIActionAdapter& action,
+                             osg::Object* object, osg::NodeVisitor*)
+{
+    osg::ref_ptr<TerrainLighting> lighting = dynamic_cast<TerrainLighting*>(object);
+    if (!lighting && !_implementation->given.lock(lighting))
+        return false;
+    return _implementation->handle(event, *lighting, action);
+}
+
+LightingHandler::Implementation::~Implementation()
 {
     osg::ref_ptr<TerrainLighting> lighting;
-    if (!_lighting.lock(lighting))
-        return false;
+    if (shown.lock(lighting))
+        lighting->removeCullCallback(callback);
+    if (callback)
+        callback->clock().show(""); // copies of the lighting share the callback
+}
+
+bool LightingHandler::Implementation::handle(const osgGA::GUIEventAdapter& event,
+                                             TerrainLighting& lighting,
+                                             osgGA::GUIActionAdapter& action)
+{
     if (event.getEventType() == osgGA::GUIEventAdapter::FRAME)
-        runClock(event.getTime(), *lighting, action);
+        runClock(event.getTime(), lighting, action);
     if (event.getHandled() || event.getEventType() != osgGA::GUIEventAdapter::KEYDOWN ||
-        !handleKey(event.getKey(), *lighting))
+        !handleKey(event.getKey(), lighting))
         return false;
-    _lastFrame = event.getTime();
+    lastFrame = event.getTime();
     action.requestRedraw();
     return true;
 }
 
-bool KeyHandler::handleKey(int key, TerrainLighting& lighting)
+bool LightingHandler::Implementation::handleKey(int key, TerrainLighting& lighting)
 {
     SkyLight sky = lighting.getSkyLight();
     LightingSettings settings = lighting.getSettings();
@@ -134,13 +220,13 @@ bool KeyHandler::handleKey(int key, TerrainLighting& lighting)
     case 'd':
         if (!lighting.getTime())
             lighting.setTime(time);
-        _running = !_running && lighting.getTime();
+        running = !running && lighting.getTime();
         return true;
     case 'n':
-        _speed = std::min(2.0 * _speed, fastest);
+        speed = std::min(2.0 * speed, fastest);
         return true;
     case 'N':
-        _speed = std::max(0.5 * _speed, 1.0);
+        speed = std::max(0.5 * speed, 1.0);
         return true;
     case 'j':
         lighting.setTime(time + hours(1));
@@ -186,19 +272,37 @@ bool KeyHandler::handleKey(int key, TerrainLighting& lighting)
     return true;
 }
 
-void KeyHandler::runClock(double now, TerrainLighting& lighting, osgGA::GUIActionAdapter& action)
+void LightingHandler::Implementation::runClock(double now, TerrainLighting& lighting,
+                                               osgGA::GUIActionAdapter& action)
 {
-    _running = _running && lighting.getTime(); // keys or the host may have moved the sun
-    if (_running)
+    running = running && lighting.getTime(); // keys or the host may have moved the sun
+    if (running)
     {
         // A window that hung does not skip half a day.
-        const double seconds = _speed * std::clamp(now - _lastFrame, 0.0, 1.0);
-        _lastFrame = now;
+        const double seconds = speed * std::clamp(now - lastFrame, 0.0, 1.0);
+        lastFrame = now;
         lighting.setTime(*lighting.getTime() +
                          std::chrono::milliseconds(std::llround(1000.0 * seconds)));
         action.requestRedraw();
     }
-    _clock->show(lighting.getTime() ? said(lighting, _running ? _speed : 0.0) : "");
+    show(lighting, lighting.getTime() ? said(lighting, running ? speed : 0.0) : "");
+}
+
+void LightingHandler::Implementation::show(TerrainLighting& lighting, const std::string& text)
+{
+    if (!callback && text.empty())
+        return;
+    if (!callback)
+        callback = new ClockCallback(new ClockDisplay);
+    if (!shown.valid())
+    {
+        // Contexts that exist already draw it from threads of their own.
+        callback->resizeGLObjectBuffers(
+            osg::DisplaySettings::instance()->getMaxNumberOfGraphicsContexts());
+        lighting.addCullCallback(callback);
+        shown = &lighting;
+    }
+    callback->clock().show(text);
 }
 
 } // namespace osgTerrainLight

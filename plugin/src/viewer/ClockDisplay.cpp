@@ -1,4 +1,4 @@
-#include "scene/ClockDisplay.h"
+#include "viewer/ClockDisplay.h"
 
 namespace osgTerrainLight
 {
