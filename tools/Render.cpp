@@ -1,4 +1,5 @@
 #include "Pipeline.h"
+#include "RenderCamera.h"
 
 #include "io/LightParameters.h"
 
@@ -17,18 +18,12 @@
 #include <osgViewer/Viewer>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <dlfcn.h>
-#include <optional>
 
 namespace osgTerrainLight::tool
 {
 namespace
 {
-
-constexpr double radiansPerDegree = 3.14159265358979323846 / 180.0;
-constexpr double fieldOfView = 30.0; // vertical [degrees]
 
 struct Options
 {
@@ -41,10 +36,7 @@ struct Options
     LightingSettings settings;
     std::string light = "both";
     double cellSize = 1.0;
-    // The camera, seen from the middle of the scene: from the south, looking north and 35° down.
-    double azimuth = 180.0, elevation = 35.0, distance = 1.0;
-    std::optional<osg::Vec3d> eye, center;
-    bool top = false;
+    CameraPlace camera;
     int frames = 100;
 };
 
@@ -127,58 +119,6 @@ Result<osg::ref_ptr<osg::Node>> load(const CLI::App& app, const Options& options
     return Error{ErrorCode::Invalid, reason.compare(0, options.scene.size(), options.scene) == 0
                                          ? reason
                                          : options.scene + ": " + reason};
-}
-
-std::array<osg::Vec3d, 8> corners(const osg::BoundingBox& box)
-{
-    std::array<osg::Vec3d, 8> result;
-    for (unsigned i = 0; i < 8; ++i)
-        result[i] = box.corner(i);
-    return result;
-}
-
-/// Sets a camera from which the box fills the picture.
-void placeCamera(osg::Camera& camera, const Options& options, const osg::BoundingBox& box)
-{
-    const double aspect = double(options.width) / options.height;
-    const osg::Vec3d middle = box.center();
-    if (options.top)
-    {
-        const double halfEast = 0.5 * static_cast<double>(box.xMax() - box.xMin());
-        const double halfNorth = 0.5 * static_cast<double>(box.yMax() - box.yMin());
-        const double half = options.distance * std::max(halfNorth, halfEast / aspect);
-        const double above = std::max(1.0, double(box.radius()));
-        camera.setProjectionMatrixAsOrtho(-half * aspect, half * aspect, -half, half, 0.1 * above,
-                                          10.0 * above);
-        camera.setViewMatrixAsLookAt(middle + osg::Vec3d(0.0, 0.0, 3.0 * above), middle,
-                                     osg::Vec3d(0.0, 1.0, 0.0));
-        return;
-    }
-
-    const double azimuth = options.azimuth * radiansPerDegree;
-    const double elevation = options.elevation * radiansPerDegree;
-    const osg::Vec3d towardsEye(std::sin(azimuth) * std::cos(elevation),
-                                std::cos(azimuth) * std::cos(elevation), std::sin(elevation));
-    // Up in the picture stays defined where the camera looks straight down.
-    const osg::Vec3d up(-std::sin(azimuth) * std::sin(elevation),
-                        -std::cos(azimuth) * std::sin(elevation), std::cos(elevation));
-    const osg::Vec3d right = up ^ towardsEye;
-    const double tangent = std::tan(0.5 * fieldOfView * radiansPerDegree);
-    double distance = 0.0;
-    for (const osg::Vec3d& corner : corners(box))
-    {
-        const osg::Vec3d offset = corner - middle;
-        distance =
-            std::max({distance, offset * towardsEye + std::abs(offset * right) / (tangent * aspect),
-                      offset * towardsEye + std::abs(offset * up) / tangent});
-    }
-    distance = std::max(distance, 1e-3) * options.distance;
-    camera.setProjectionMatrixAsPerspective(fieldOfView, aspect, 0.01 * distance, 10.0 * distance);
-    const osg::Vec3d center = options.center.value_or(middle);
-    if (options.eye)
-        camera.setViewMatrixAsLookAt(*options.eye, center, osg::Vec3d(0.0, 0.0, 1.0));
-    else
-        camera.setViewMatrixAsLookAt(center + towardsEye * distance, center, up);
 }
 
 std::vector<std::uint8_t> readPixels(int width, int height)
@@ -319,7 +259,8 @@ Status run(const CLI::App& app, Options options)
     camera.setClearColor(
         osg::Vec4(0.62f, 0.70f, 0.80f, 1.0f)); // haze, not sky: nothing is lit by it
     viewer.setSceneData(*scene);
-    placeCamera(camera, options, bounds.getBoundingBox());
+    placeCamera(camera, options.camera, double(options.width) / options.height,
+                bounds.getBoundingBox());
     viewer.realize();
     const std::vector<std::uint8_t> pixels = draw(viewer, options, progress);
     if (Status done = gpu->finish(); !done)
@@ -364,32 +305,7 @@ Mode addRender(CLI::App& tool)
         ->type_name("");
     addSize(*app, options->width, options->height,
             "Pixels of the picture; one number: a square; default 1024,768");
-    addLimitedNumbers(
-        *app, "--camera", "AZ,EL,DISTANCE",
-        {{"camera azimuth", -360.0, 720.0, false},
-         {"camera elevation", -90.0, 90.0, false},
-         {"camera distance", 0.001, 1000.0, false}},
-        "Where the camera stands, seen from the middle of the scene: degrees clockwise from "
-        "north and above the horizontal; at distance 1 the scene fills the picture; default "
-        "180,35,1",
-        [options](const auto& v)
-        {
-            options->azimuth = v[0];
-            options->elevation = v[1];
-            options->distance = v[2];
-        });
-    const auto place =
-        [&](const std::string& name, const std::string& help, std::optional<osg::Vec3d>& target)
-    {
-        const Limits limit = {name.substr(2), -1e9, 1e9, false};
-        return addLimitedNumbers(*app, name, "X,Y,Z", {limit, limit, limit}, help,
-                                 [&target](const auto& v)
-                                 { target = osg::Vec3d(v[0], v[1], v[2]); });
-    };
-    CLI::Option* eye = place("--eye", "Camera's place in scene coordinates", options->eye);
-    place("--center", "Place the camera looks at, in scene coordinates", options->center);
-    app->add_flag("--top", options->top, "Straight down, north up, without perspective")
-        ->excludes(eye);
+    addCamera(*app, options->camera);
     addSun(*app, options->sky);
     addSky(*app, options->sky, options->skyFile);
     addSunTime(*app, options->sun);

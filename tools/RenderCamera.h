@@ -1,0 +1,31 @@
+#pragma once
+
+#include "Options.h"
+
+#include <osg/BoundingBox>
+#include <osg/Camera>
+
+#include <optional>
+
+/// `terrainlight render`: where the picture is taken from.
+namespace osgTerrainLight::tool
+{
+
+/// Seen from the middle of the scene: from the south, looking north and 35° down.
+struct CameraPlace
+{
+    double azimuth = 180.0,
+           elevation = 35.0;               ///< degrees clockwise from north, above the horizontal
+    double distance = 1.0;                 ///< at 1 the scene fills the picture
+    std::optional<osg::Vec3d> eye, center; ///< scene coordinates, instead
+    bool top = false;                      ///< straight down, north up, without perspective
+};
+
+/// --camera, --eye, --center, --top.
+void addCamera(CLI::App& app, CameraPlace& place);
+
+/// Sets a camera from which the box fills the picture.
+void placeCamera(osg::Camera& camera, const CameraPlace& place, double aspect,
+                 const osg::BoundingBox& box);
+
+} // namespace osgTerrainLight::tool
