@@ -373,6 +373,7 @@ void addReadOptions(CLI::App& app, DemReadOptions& read)
         ->type_name("X Y W H");
     app.add_option("--band", read.band, "Band of the input, from 1; default 1")->type_name("N");
     addCellSize(app, [&read](double size) { read.cellSize = size; });
+    addHeightOptions(app, read);
 }
 
 void addCellSize(CLI::App& app, std::function<void(double)> set)
@@ -380,6 +381,31 @@ void addCellSize(CLI::App& app, std::function<void(double)> set)
     addLimitedNumbers(app, "--cell-size", "METRES", {{"cell size", 1e-6, 1e6, false}},
                       "Distance between posts where the input has no geotransform",
                       [set](const auto& v) { set(v[0]); });
+}
+
+void addHeightOptions(CLI::App& app, DemReadOptions& read)
+{
+    app.add_option_function<std::string>(
+           "--unit",
+           [&read](const std::string& name)
+           {
+               if (!metresPerHeightUnit(name))
+                   throw CLI::ValidationError("--unit", "'" + name +
+                                                            "': needs a unit of length such as m, "
+                                                            "ft or us-ft");
+               read.heightUnit = name;
+           },
+           "Unit of the heights, instead of what the input says")
+        ->type_name("NAME");
+    addLimitedNumbers(app, "--z-factor", "F", {{"z factor", -1e6, 1e6, false}},
+                      "Heights are multiplied by F, not 0; below 0 turns depths into heights; "
+                      "default 1",
+                      [&read](const auto& v)
+                      {
+                          if (v[0] == 0.0)
+                              throw CLI::ValidationError("--z-factor", "0: needs another number");
+                          read.heightFactor = v[0];
+                      });
 }
 
 void addOutputOptions(CLI::App& app, OutputOptions& output)

@@ -90,6 +90,9 @@ void addSunTime(CLI::App& app, SunTime& sun);
 void addAreaLights(CLI::App& app, SkyLight& sky);
 void addReadOptions(CLI::App& app, DemReadOptions& read);
 
+/// --unit and --z-factor.
+void addHeightOptions(CLI::App& app, DemReadOptions& read);
+
 void addCellSize(CLI::App& app, std::function<void(double)> set);
 
 void addOutputOptions(CLI::App& app, OutputOptions& output);

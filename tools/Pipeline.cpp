@@ -187,7 +187,9 @@ Result<EarthPlace> placeOf(const RasterOptions& options, const SunTime& sun)
     const Result<DemInfo> info = describeDem(options.input, options.read);
     if (!info)
         return info.error();
-    const Result<EarthPlace> place = placeInstead(sun.place, osgTerrainLight::placeOf(info->frame));
+    const RasterFrame& frame = info->frame;
+    const Result<EarthPlace> place = placeInstead(sun.place, frame.hasGeoTransform ? frame.crs : "",
+                                                  osgTerrainLight::placeOf(frame));
     if (place)
         return place;
     const bool placeless = place.error().code == ErrorCode::NotFound;

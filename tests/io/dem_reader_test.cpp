@@ -1,4 +1,5 @@
 #include "io/DemReader.h"
+#include "io/GroundSpacing.h"
 
 #include "support/SharedData.h"
 

@@ -1,5 +1,7 @@
 #include "io/AlbedoFile.h"
 
+#include "io/GdalErrors.h"
+
 #include <cpl_string.h>
 #include <gdal_priv.h>
 

@@ -1,19 +1,18 @@
 #include "io/DemReader.h"
 
+#include "io/CustomaryVoids.h"
+#include "io/GdalErrors.h"
+#include "io/GroundSpacing.h"
+
 #include <cpl_conv.h>
-#include <cpl_error.h>
 #include <cpl_string.h>
 #include <cpl_vsi.h>
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <cstdint>
 #include <limits>
-#include <memory>
-#include <mutex>
 #include <new>
 
 namespace osgTerrainLight
@@ -40,83 +39,13 @@ std::string size(int width, int height)
     return std::to_string(width) + " x " + std::to_string(height);
 }
 
-void CPL_STDCALL keepError(CPLErr level, CPLErrorNum, const char* message)
-{
-    if (auto* errors = static_cast<GdalErrors*>(CPLGetErrorHandlerUserData()))
-        errors->add(level >= CE_Failure, message);
-}
-
-/// A unit's length in metres; nothing where the name is not known.
-std::optional<double> metresPerUnit(const std::string& name)
-{
-    std::string key;
-    for (const char c : name)
-        if (std::isalnum(static_cast<unsigned char>(c)))
-            key += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    struct Unit
-    {
-        const char* name;
-        double metres;
-    };
-    constexpr double foot = 0.3048;
-    constexpr double surveyFoot = 1200.0 / 3937.0;
-    static const Unit units[] = {{"m", 1.0},
-                                 {"metre", 1.0},
-                                 {"metres", 1.0},
-                                 {"meter", 1.0},
-                                 {"meters", 1.0},
-                                 {"ft", foot},
-                                 {"foot", foot},
-                                 {"feet", foot},
-                                 {"internationalfoot", foot},
-                                 {"internationalfeet", foot},
-                                 {"footinternational", foot},
-                                 {"ftus", surveyFoot},
-                                 {"usft", surveyFoot},
-                                 {"footus", surveyFoot},
-                                 {"usfoot", surveyFoot},
-                                 {"usfeet", surveyFoot},
-                                 {"surveyfoot", surveyFoot},
-                                 {"surveyfeet", surveyFoot},
-                                 {"ussurveyft", surveyFoot},
-                                 {"ussurveyfoot", surveyFoot},
-                                 {"ussurveyfeet", surveyFoot},
-                                 {"footussurvey", surveyFoot},
-                                 {"km", 1000.0},
-                                 {"kilometre", 1000.0},
-                                 {"kilometer", 1000.0},
-                                 {"dm", 0.1},
-                                 {"decimetre", 0.1},
-                                 {"decimeter", 0.1},
-                                 {"cm", 0.01},
-                                 {"centimetre", 0.01},
-                                 {"centimeter", 0.01},
-                                 {"mm", 0.001},
-                                 {"millimetre", 0.001},
-                                 {"millimeter", 0.001}};
-    for (const Unit& unit : units)
-        if (key == unit.name)
-            return unit.metres;
-    return std::nullopt;
-}
-
-/// Metres per unit of map x and y, as a function of latitude where the CRS is geographic.
-struct MapMetric
-{
-    double metresPerUnit = 1.0;
-    bool geographic = false;
-    double radiansPerUnit = pi / 180.0;
-    double semiMajor = 6378137.0, semiMinor = 6356752.314245179;
-};
-
 /// An open raster whose metadata passed every check.
 struct OpenDem
 {
     GDALDatasetUniquePtr dataset;
     GDALRasterBand* band = nullptr;
     DemInfo info;
-    std::vector<double> eastSpacings; // tile order
-    std::vector<bool> beyondPole;     // by tile row; empty where none is
+    GroundSpacing ground;
 };
 
 Error openingError(const std::string& path, const GdalErrors& errors)
@@ -166,20 +95,9 @@ std::optional<Error> openBand(const std::string& path, const DemReadOptions& opt
         return Error{ErrorCode::Invalid, path + ": has no band " + std::to_string(options.band) +
                                              "; needed 1 to " + std::to_string(info.bandCount)};
     dem.band = dataset.GetRasterBand(options.band);
-
-    const GDALDataType type = dem.band->GetRasterDataType();
-    info.dataType = GDALGetDataTypeName(type);
-    if (GDALDataTypeIsComplex(type))
-        return Error{ErrorCode::NotSupported, path + ": band " + std::to_string(options.band) +
-                                                  " holds complex numbers (" + info.dataType +
-                                                  "); needed heights"};
-    const GDALColorInterp colour = dem.band->GetColorInterpretation();
-    if (colour != GCI_Undefined && colour != GCI_GrayIndex)
-        return Error{ErrorCode::NotSupported, path + ": band " + std::to_string(options.band) +
-                                                  " of " + std::to_string(info.bandCount) +
-                                                  " is a picture's (" +
-                                                  GDALGetColorInterpretationName(colour) +
-                                                  "), not a DEM; needed a band of heights"};
+    if (!std::isfinite(options.heightFactor) || options.heightFactor == 0.0)
+        return Error{ErrorCode::Invalid, path + ": height factor " + number(options.heightFactor) +
+                                             "; needed one that is not 0"};
     return std::nullopt;
 }
 
@@ -259,226 +177,21 @@ std::optional<Error> placeFrame(const std::string& path, const DemReadOptions& o
     return std::nullopt;
 }
 
-/// Says by how much map distances of a projected CRS differ from those on the ground: Web Mercator,
-/// for one, stretches them by 1/cos(latitude), and everything seems flatter by as much.
-void noteStretch(const OGRSpatialReference& crs, const MapMetric& metric, DemInfo& info)
-{
-    const std::unique_ptr<OGRSpatialReference> base(crs.CloneGeogCS());
-    if (!base)
-        return;
-    OGRSpatialReference flat(crs);
-    flat.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-    base->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-    const std::unique_ptr<OGRCoordinateTransformation> transform(
-        OGRCreateCoordinateTransformation(&flat, base.get()));
-    if (!transform)
-        return;
-    const std::array<double, 6>& t = info.frame.geoTransform;
-    const double x0 = t[0] + 0.5 * info.frame.width * t[1];
-    const double y0 = t[3] + 0.5 * info.frame.height * t[5];
-    double x[3] = {x0, x0 + t[1], x0};
-    double y[3] = {y0, y0, y0 + t[5]};
-    int good[3] = {0, 0, 0};
-    if (!transform->Transform(3, x, y, nullptr, good) || !good[0] || !good[1] || !good[2])
-        return;
-    const double radians = base->GetAngularUnits();
-    const MetresPerRadian ground = metresPerRadian(std::clamp(y[0] * radians, -0.5 * pi, 0.5 * pi),
-                                                   base->GetSemiMajor(), base->GetSemiMinor());
-    const double cells[2] = {std::abs(t[1]) * metric.metresPerUnit,
-                             std::abs(t[5]) * metric.metresPerUnit};
-    double stretch[2];
-    for (int i = 0; i < 2; ++i)
-    {
-        const double east = std::remainder((x[i + 1] - x[0]) * radians, 2.0 * pi) * ground.east;
-        const double north = (y[i + 1] - y[0]) * radians * ground.north;
-        stretch[i] = cells[i] / std::hypot(east, north);
-    }
-    if (std::max(std::abs(stretch[0] - 1.0), std::abs(stretch[1] - 1.0)) > 0.02)
-        info.notes.push_back(
-            std::string("map distances are ") + CPLSPrintf("%.3g", stretch[0]) + " (east) and " +
-            CPLSPrintf("%.3g", stretch[1]) +
-            " (north) times those on the ground: slopes come out wrong by as much; "
-            "warp to a local projection such as UTM");
-}
-
-std::optional<Error> readCrs(const std::string& path, OpenDem& dem, MapMetric& metric)
+void readCrs(OpenDem& dem)
 {
     DemInfo& info = dem.info;
     const OGRSpatialReference* crs = dem.dataset->GetSpatialRef();
     if (!crs)
-    {
-        if (info.frame.hasGeoTransform)
-            info.notes.push_back("no CRS: map coordinates are taken as metres");
-        return std::nullopt;
-    }
+        return;
     const char* wkt2[] = {"FORMAT=WKT2_2019", nullptr};
     char* text = nullptr;
     if (crs->exportToWkt(&text, wkt2) == OGRERR_NONE && text)
         info.frame.crs = text;
     CPLFree(text);
+    info.frame.coordinateEpoch = crs->GetCoordinateEpoch();
     info.crsName = crs->GetName() ? crs->GetName() : "";
-    if (!info.frame.hasGeoTransform)
-        return std::nullopt; // the cell size came in metres
-
-    if (crs->IsGeocentric())
-        return Error{ErrorCode::NotSupported,
-                     path + ": CRS \"" + info.crsName +
-                         "\" is geocentric; needed a map or geographic one"};
-    if (crs->IsGeographic())
-    {
-        metric.geographic = info.geographic = true;
-        metric.radiansPerUnit = crs->GetAngularUnits();
-        metric.semiMajor = crs->GetSemiMajor();
-        metric.semiMinor = crs->GetSemiMinor();
-        if (crs->IsDerivedGeographic())
-            info.notes.push_back("the CRS has a pole of its own: azimuths count from its north");
-        return std::nullopt;
-    }
-    if (crs->IsProjected())
-    {
-        metric.metresPerUnit = crs->GetTargetLinearUnits("PROJCS");
-        noteStretch(*crs, metric, info);
-    }
-    else if (crs->IsLocal())
-    {
-        metric.metresPerUnit = crs->GetTargetLinearUnits("LOCAL_CS");
-        info.notes.push_back("local CRS \"" + info.crsName + "\": one unit is taken as " +
-                             number(metric.metresPerUnit) + " m");
-    }
-    else
-        info.notes.push_back("CRS \"" + info.crsName +
-                             "\" has no horizontal part: map coordinates are taken as metres");
-    if (!(std::isfinite(metric.metresPerUnit) && metric.metresPerUnit > 0.0))
-        return Error{ErrorCode::Invalid, path + ": CRS has a unit of " +
-                                             number(metric.metresPerUnit) +
-                                             " m; needed more than 0"};
-    return std::nullopt;
-}
-
-/// perRow: false where only the middle is asked for, in a raster of any size.
-std::optional<Error> measureSpacing(const std::string& path, const MapMetric& metric, bool perRow,
-                                    OpenDem& dem)
-{
-    DemInfo& info = dem.info;
-    const RasterFrame& frame = info.frame;
-    const double stepX = std::abs(frame.geoTransform[1]);
-    const double stepY = std::abs(frame.geoTransform[5]);
-    if (!metric.geographic)
-    {
-        info.northSpacing = stepY * metric.metresPerUnit;
-        dem.eastSpacings = {stepX * metric.metresPerUnit};
-        info.eastSpacing = dem.eastSpacings.front();
-        return std::nullopt;
-    }
-
-    const int height = frame.height;
-    const double dx = stepX * metric.radiansPerUnit;
-    const double dy = stepY * metric.radiansPerUnit;
-    const auto latitude = [&](double fileRow)
-    {
-        return (frame.geoTransform[3] + (fileRow + 0.5) * frame.geoTransform[5]) *
-               metric.radiansPerUnit;
-    };
-    const auto metres = [&](double at)
-    {
-        return metresPerRadian(std::clamp(at, -0.5 * pi, 0.5 * pi), metric.semiMajor,
-                               metric.semiMinor);
-    };
-    int beyond = 0;
-    if (perRow)
-    {
-        dem.eastSpacings.resize(static_cast<std::size_t>(height));
-        dem.beyondPole.assign(static_cast<std::size_t>(height), false);
-    }
-    for (int row = 0; row < height; ++row)
-    {
-        const double at = latitude(frame.fileRow(row));
-        // A post on the pole itself may lie beyond it by rounding.
-        const bool outside = std::abs(at) > 0.5 * pi + 1.0e-9;
-        beyond += outside ? 1 : 0;
-        if (perRow)
-        {
-            dem.eastSpacings[static_cast<std::size_t>(row)] = dx * metres(at).east;
-            dem.beyondPole[static_cast<std::size_t>(row)] = outside;
-        }
-    }
-    if (beyond == height)
-        return Error{ErrorCode::Invalid, path + ": CRS \"" + info.crsName +
-                                             "\" is geographic, but latitudes are about " +
-                                             number(latitude(0.5 * (height - 1)) * 180.0 / pi) +
-                                             "; needed -90 to 90"};
-    if (beyond > 0)
-        info.notes.push_back(std::to_string(beyond) + " rows lie beyond a pole and are void");
-    if (beyond == 0)
-        dem.beyondPole.clear();
-    info.northSpacing = dy * metres(latitude(0.5 * (height - 1))).north;
-    info.eastSpacing = dx * metres(latitude(frame.fileRow(height / 2))).east;
-    return std::nullopt;
-}
-
-std::optional<Error> readHeightUnits(const std::string& path, OpenDem& dem)
-{
-    DemInfo& info = dem.info;
-    GDALRasterBand& band = *dem.band;
-    int found = FALSE;
-    info.scale = band.GetScale(&found);
-    if (!found)
-        info.scale = 1.0;
-    info.offset = band.GetOffset(&found);
-    if (!found)
-        info.offset = 0.0;
-    if (!std::isfinite(info.scale) || info.scale == 0.0 || !std::isfinite(info.offset))
-        return Error{ErrorCode::Invalid, path + ": band scale " + number(info.scale) +
-                                             " and offset " + number(info.offset) +
-                                             "; needed finite ones, scale not 0"};
-
-    info.heightUnit = band.GetUnitType();
-    if (info.heightUnit.empty())
-    {
-        const OGRSpatialReference* crs = dem.dataset->GetSpatialRef();
-        if (crs && (crs->IsCompound() || crs->IsVertical()))
-        {
-            const char* name = nullptr;
-            const double metres = crs->GetTargetLinearUnits("VERT_CS", &name);
-            if (std::isfinite(metres) && metres > 0.0)
-            {
-                info.heightUnit = name ? name : "";
-                info.metresPerHeightUnit = metres;
-            }
-        }
-    }
-    else if (const std::optional<double> metres = metresPerUnit(info.heightUnit))
-        info.metresPerHeightUnit = *metres;
-    else
-        info.notes.push_back("height unit \"" + info.heightUnit +
-                             "\" is not known: heights are taken as metres");
-
-    switch (band.GetRasterDataType())
-    {
-    case GDT_Int64:
-    {
-        const std::int64_t value = band.GetNoDataValueAsInt64(&found);
-        if (found)
-            info.noData = static_cast<double>(value);
-        break;
-    }
-    case GDT_UInt64:
-    {
-        const std::uint64_t value = band.GetNoDataValueAsUInt64(&found);
-        if (found)
-            info.noData = static_cast<double>(value);
-        break;
-    }
-    default:
-    {
-        const double value = band.GetNoDataValue(&found);
-        if (found)
-            info.noData = value;
-    }
-    }
-    const int flags = band.GetMaskFlags();
-    info.hasMask = (flags & GMF_ALL_VALID) == 0 && flags != GMF_NODATA;
-    return std::nullopt;
+    if (crs->IsGeographic() || crs->IsProjected())
+        info.bodyRadius = crs->GetSemiMajor();
 }
 
 /// forReading: false where heights are not asked for, and the size therefore not limited.
@@ -486,213 +199,263 @@ Result<OpenDem> openDem(const std::string& path, const DemReadOptions& options, 
                         const GdalErrors& errors)
 {
     OpenDem dem;
-    MapMetric metric;
+    DemInfo& info = dem.info;
     if (auto error = openBand(path, options, dem, errors))
         return *error;
-    if (auto error = chooseWindow(path, options, forReading, dem.info))
+    std::vector<std::string> bandNotes;
+    Result<BandFacts> band =
+        readBandFacts(path, *dem.dataset, options.band, options.heightUnit, bandNotes);
+    if (!band)
+        return band.error();
+    static_cast<BandFacts&>(info) = std::move(*band);
+    if (auto error = chooseWindow(path, options, forReading, info))
         return *error;
     if (auto error = placeFrame(path, options, dem))
         return *error;
-    if (auto error = readCrs(path, dem, metric))
-        return *error;
-    if (auto error = measureSpacing(path, metric, forReading, dem))
-        return *error;
-    if (auto error = readHeightUnits(path, dem))
-        return *error;
+    readCrs(dem);
+    Result<GroundSpacing> ground = measureGround(path, dem.dataset->GetSpatialRef(), info.frame);
+    if (!ground)
+        return ground.error();
+    dem.ground = std::move(*ground);
+    info.geographic = dem.ground.geographic;
+    info.northSpacing = dem.ground.north;
+    info.eastSpacing =
+        dem.ground.east[dem.ground.east.size() == 1 ? 0 : dem.ground.east.size() / 2];
+    info.notes.insert(info.notes.end(), dem.ground.notes.begin(), dem.ground.notes.end());
+    info.notes.insert(info.notes.end(), bandNotes.begin(), bandNotes.end());
     return dem;
 }
+
+struct Range
+{
+    double lowest = std::numeric_limits<double>::infinity();
+    double highest = -std::numeric_limits<double>::infinity();
+    std::size_t count = 0;
+
+    void add(double value)
+    {
+        lowest = std::min(lowest, value);
+        highest = std::max(highest, value);
+        ++count;
+    }
+};
+
+/// What all values of a raster say together: whether they are heights, or radii of the CRS's body.
+class HeightSurvey
+{
+public:
+    explicit HeightSurvey(double bodyRadius) : _bodyRadius(bodyRadius) {}
+
+    /// A value [m] that is not void by nodata, mask or custom.
+    void add(double metres)
+    {
+        ++_count;
+        if (std::abs(metres) <= highest)
+            _heights.add(metres);
+        // Half and one and a half radii hold the hills of the smallest bodies.
+        if (_bodyRadius > 0.0 && metres >= 0.5 * _bodyRadius && metres <= 1.5 * _bodyRadius)
+            _radii.add(metres);
+    }
+
+    bool areRadii() const { return _radii.count > _count / 2; }
+    const Range& values() const { return areRadii() ? _radii : _heights; }
+    bool isVoid(double metres) const
+    {
+        return !(metres >= values().lowest && metres <= values().highest);
+    }
+    std::size_t voids() const { return _count - values().count; }
+    /// What comes off a value [m].
+    double radius() const { return areRadii() ? _bodyRadius : 0.0; }
+
+private:
+    double _bodyRadius;
+    std::size_t _count = 0;
+    Range _heights, _radii;
+};
 
 /// Real holds stored values exactly: float for up to 24 bits, double for the rest. Heights reach
 /// float only after the origin, known when all are read, is taken off in double.
 template <class Real>
-Result<DemFile> readHeights(const std::string& path, const DemReadOptions& options, OpenDem& dem,
-                            const GdalErrors& errors)
+class HeightReader
 {
-    const DemInfo& info = dem.info;
-    const RasterFrame& frame = info.frame;
-    const int width = frame.width;
-    const int height = frame.height;
-    const auto columns = static_cast<std::size_t>(width);
-    const GDALDataType type = sizeof(Real) == sizeof(float) ? GDT_Float32 : GDT_Float64;
-    // Where no nodata value is declared, these are one: the lowest 16-bit numbers, kept by many a
-    // conversion to float, and ESRI's. No terrain of any body lies at them.
-    const bool undeclaredNoData = !info.noData && info.scale == 1.0 && info.offset == 0.0;
-    const auto isSentinel = [undeclaredNoData](Real stored)
+public:
+    HeightReader(const std::string& path, const DemReadOptions& options, OpenDem& dem,
+                 const GdalErrors& errors)
+        : _path(path), _options(options), _dem(dem), _errors(errors), _info(dem.info),
+          _columns(static_cast<std::size_t>(dem.info.frame.width)), _customs(dem.info),
+          _survey(dem.info.bodyRadius)
     {
-        return undeclaredNoData &&
-               (stored == Real(-32768) || stored == Real(-32767) || stored == Real(-99999));
-    };
-    const auto metresOf = [&info](Real stored)
-    { return (static_cast<double>(stored) * info.scale + info.offset) * info.metresPerHeightUnit; };
-    // A nodata value that text or a double tag holds exactly may have been rounded to float on its
-    // way into the pixels, or the other way round. Large whole numbers must not be rounded.
-    const bool rounded = GDALDataTypeIsFloating(dem.band->GetRasterDataType()) != FALSE;
-    const auto isNoData = [&info, rounded](Real stored)
+    }
+
+    Result<DemFile> read()
     {
-        if (!info.noData)
+        if (auto error = readStored())
+            return *error;
+        for (const double value : _customs.heights())
+            _survey.add(_info.metresOf(value));
+        const int width = _info.frame.width;
+        const int height = _info.frame.height;
+        if (_survey.values().count == 0)
+            return Error{ErrorCode::Invalid, _path + ": holds no valid height: all of " +
+                                                 size(width, height) + " posts are void"};
+        DemFile file;
+        file.frame = _info.frame;
+        file.notes = _info.notes;
+        const double ends[] = {heightOf(_survey.values().lowest),
+                               heightOf(_survey.values().highest)};
+        file.lowest = std::min(ends[0], ends[1]);
+        file.highest = std::max(ends[0], ends[1]);
+        addNotes(file);
+        fillTile(file);
+        if (!_dem.ground.beyondPole.empty() && file.tile.validCount() == 0)
+            return Error{ErrorCode::Invalid, _path + ": holds no valid height between the poles"};
+        return file;
+    }
+
+private:
+    double heightOf(double metres) const
+    {
+        return (metres - _survey.radius()) * _options.heightFactor;
+    }
+
+    bool isNoData(Real stored) const
+    {
+        if (!_info.noData)
             return false;
-        if (std::isnan(*info.noData))
+        if (std::isnan(*_info.noData))
             return std::isnan(stored);
-        return static_cast<double>(stored) == *info.noData ||
-               (rounded && static_cast<float>(stored) == static_cast<float>(*info.noData));
-    };
+        // A nodata value that text or a double tag holds exactly may have been rounded to float on
+        // its way into the pixels, or the other way round. Large whole numbers must not be rounded.
+        return static_cast<double>(stored) == *_info.noData ||
+               (!_info.integer && static_cast<float>(stored) == static_cast<float>(*_info.noData));
+    }
 
-    int blockWidth = 0;
-    int blockHeight = 0;
-    dem.band->GetBlockSize(&blockWidth, &blockHeight);
-    // Whole rows of blocks, so that none is decoded twice, in strips of at most about 4 M posts.
-    const int stripRows = std::clamp(blockHeight, 1, std::max(1, (1 << 22) / width));
-
-    std::vector<Real> stored(columns * static_cast<std::size_t>(height));
-    std::vector<GByte> mask(info.hasMask ? columns * static_cast<std::size_t>(stripRows) : 0);
-    constexpr Real voidMark = std::numeric_limits<Real>::quiet_NaN();
-    double lowest = std::numeric_limits<double>::infinity();
-    double peak = -lowest;
-    std::size_t undeclared = 0;
-    std::size_t sentinels = 0;
-    for (int row = 0; row < height;)
+    std::optional<Error> readStored()
     {
-        // The first strip ends where a block ends.
-        const int inBlock = (info.window.row + row) % stripRows;
-        const int rows = std::min(stripRows - inBlock, height - row);
-        Real* strip = stored.data() + static_cast<std::size_t>(row) * columns;
-        const int top = info.window.row + row;
-        bool good = dem.band->RasterIO(GF_Read, info.window.column, top, width, rows, strip, width,
-                                       rows, type, 0, 0, nullptr) == CE_None;
-        if (good && info.hasMask)
-            good = dem.band->GetMaskBand()->RasterIO(GF_Read, info.window.column, top, width, rows,
-                                                     mask.data(), width, rows, GDT_Byte, 0, 0,
-                                                     nullptr) == CE_None;
-        if (!good)
-            return Error{ErrorCode::Failed, path + ": cannot read rows " + std::to_string(top) +
-                                                " to " + std::to_string(top + rows - 1) + " of " +
-                                                std::to_string(info.rasterHeight) + ": " +
-                                                errors.last()};
-        const std::size_t count = columns * static_cast<std::size_t>(rows);
+        const int width = _info.frame.width;
+        const int height = _info.frame.height;
+        int blockWidth = 0;
+        int blockHeight = 0;
+        _dem.band->GetBlockSize(&blockWidth, &blockHeight);
+        // Whole rows of blocks, so that none is decoded twice, in strips of at most about 4 M
+        // posts.
+        const int stripRows = std::clamp(blockHeight, 1, std::max(1, (1 << 22) / width));
+        _stored.resize(_columns * static_cast<std::size_t>(height));
+        _mask.resize(_info.hasMask ? _columns * static_cast<std::size_t>(stripRows) : 0);
+        for (int row = 0; row < height;)
+        {
+            // The first strip ends where a block ends.
+            const int inBlock = (_info.window.row + row) % stripRows;
+            const int rows = std::min(stripRows - inBlock, height - row);
+            if (!readStrip(row, rows))
+                return Error{ErrorCode::Failed,
+                             _path + ": cannot read rows " +
+                                 std::to_string(_info.window.row + row) + " to " +
+                                 std::to_string(_info.window.row + row + rows - 1) + " of " +
+                                 std::to_string(_info.rasterHeight) + ": " + _errors.last()};
+            row += rows;
+            if (_options.progress && !_options.progress(static_cast<double>(row) / height))
+                return Error{ErrorCode::Failed, _path + ": reading was cancelled"};
+        }
+        return std::nullopt;
+    }
+
+    /// Marks as NaN what nodata value or mask say is void; the rest is surveyed.
+    bool readStrip(int row, int rows)
+    {
+        const int width = _info.frame.width;
+        const int left = _info.window.column;
+        const int top = _info.window.row + row;
+        Real* strip = _stored.data() + static_cast<std::size_t>(row) * _columns;
+        const GDALDataType type = sizeof(Real) == sizeof(float) ? GDT_Float32 : GDT_Float64;
+        if (_dem.band->RasterIO(GF_Read, left, top, width, rows, strip, width, rows, type, 0, 0,
+                                nullptr) != CE_None)
+            return false;
+        if (_info.hasMask &&
+            _dem.band->GetMaskBand()->RasterIO(GF_Read, left, top, width, rows, _mask.data(), width,
+                                               rows, GDT_Byte, 0, 0, nullptr) != CE_None)
+            return false;
+        const std::size_t count = _columns * static_cast<std::size_t>(rows);
         for (std::size_t i = 0; i < count; ++i)
         {
             Real& value = strip[i];
-            if (isNoData(value) || (info.hasMask && mask[i] == 0))
-            {
-                value = voidMark;
-                continue;
-            }
-            const double metres = metresOf(value);
-            if (isSentinel(value))
-                ++sentinels;
-            else if (!(std::abs(metres) <= highest))
-                ++undeclared;
-            else
-            {
-                lowest = std::min(lowest, metres);
-                peak = std::max(peak, metres);
-                continue;
-            }
-            value = voidMark;
+            if (_info.signedBytes && value > Real(127))
+                value -= Real(256);
+            if (isNoData(value) || (_info.hasMask && _mask[i] == 0))
+                value = std::numeric_limits<Real>::quiet_NaN();
+            else if (!_customs.take(static_cast<double>(value)))
+                _survey.add(_info.metresOf(static_cast<double>(value)));
         }
-        row += rows;
-        if (options.progress && !options.progress(static_cast<double>(row) / height))
-            return Error{ErrorCode::Failed, path + ": reading was cancelled"};
+        return true;
     }
-    if (!(lowest <= peak))
-        return Error{ErrorCode::Invalid, path + ": holds no valid height: all of " +
-                                             size(width, height) + " posts are void"};
 
-    DemFile file;
-    file.frame = frame;
-    file.notes = info.notes;
-    if (undeclared > 0)
-        file.notes.push_back(posts(undeclared) +
-                             " without a finite height within ±1e6 m: taken as void");
-    if (sentinels > 0)
-        file.notes.push_back(posts(sentinels) +
-                             " of -32767, -32768 or -99999 in a raster without a " +
-                             "nodata value: taken as void");
-
-    DemTile& tile = file.tile;
-    tile = DemTile(width, height, info.northSpacing);
-    tile.eastSpacings = std::move(dem.eastSpacings);
-    tile.heightOrigin = std::round(0.5 * (lowest + peak)) + 0.0; // never -0
-    tile.crs = frame.crs;
-    tile.mapStepX = std::abs(frame.geoTransform[1]);
-    tile.mapStepY = std::abs(frame.geoTransform[5]);
-    tile.mapOriginX = frame.geoTransform[0] + (frame.fileColumn(0) + 0.5) * frame.geoTransform[1];
-    tile.mapOriginY = frame.geoTransform[3] + (frame.fileRow(0) + 0.5) * frame.geoTransform[5];
-    for (int row = 0; row < height; ++row)
+    void addNotes(DemFile& file) const
     {
-        if (!dem.beyondPole.empty() && dem.beyondPole[static_cast<std::size_t>(row)])
-            continue;
-        const Real* source = stored.data() + static_cast<std::size_t>(frame.fileRow(row)) * columns;
-        for (int column = 0; column < width; ++column)
+        if (_survey.areRadii())
+            file.notes.push_back("heights are radii of the body: its " + number(_survey.radius()) +
+                                 " m come off");
+        if (_survey.voids() > 0)
+            file.notes.push_back(posts(_survey.voids()) +
+                                 " without a finite height within ±1e6 m: taken as void");
+        const std::vector<std::string> customs = _customs.notes();
+        file.notes.insert(file.notes.end(), customs.begin(), customs.end());
+        // See HeightFactors.
+        const double error = _dem.ground.factors.steepest() / _info.northSpacing * 0.5 *
+                             (file.highest - file.lowest);
+        if (error > std::tan(0.1 * pi / 180.0))
+            file.notes.push_back(
+                std::string("the map's scale changes so much over the raster that slopes are wrong "
+                            "by up to ") +
+                CPLSPrintf("%.1f", std::atan(error) * 180.0 / pi) +
+                " degrees; a smaller window or another projection is nearer");
+    }
+
+    void fillTile(DemFile& file) const
+    {
+        const RasterFrame& frame = _info.frame;
+        DemTile& tile = file.tile;
+        tile = DemTile(frame.width, frame.height, _dem.ground.north);
+        tile.eastSpacings = std::move(_dem.ground.east);
+        tile.heightOrigin = std::round(0.5 * (file.lowest + file.highest)) + 0.0; // never -0
+        tile.crs = frame.crs;
+        tile.mapStepX = std::abs(frame.geoTransform[1]);
+        tile.mapStepY = std::abs(frame.geoTransform[5]);
+        tile.mapOriginX = frame.mapX(0);
+        tile.mapOriginY = frame.mapY(0);
+        for (int row = 0; row < frame.height; ++row)
         {
-            const Real value = source[frame.fileColumn(column)];
-            if (!std::isnan(value)) // posts of a new tile are void
+            if (!_dem.ground.beyondPole.empty() &&
+                _dem.ground.beyondPole[static_cast<std::size_t>(row)])
+                continue;
+            const Real* source =
+                _stored.data() + static_cast<std::size_t>(frame.fileRow(row)) * _columns;
+            for (int column = 0; column < frame.width; ++column)
+            {
+                const auto stored = static_cast<double>(source[frame.fileColumn(column)]);
+                const double metres = _info.metresOf(stored);
+                // Posts of a new tile are void.
+                if (std::isnan(stored) || _survey.isVoid(metres) || _customs.isVoid(stored))
+                    continue;
                 tile.setHeight(column, row,
-                               static_cast<float>(metresOf(value) - tile.heightOrigin));
+                               static_cast<float>((heightOf(metres) - tile.heightOrigin) *
+                                                  _dem.ground.factors.at(column, row)));
+            }
         }
     }
-    if (!dem.beyondPole.empty() && tile.validCount() == 0)
-        return Error{ErrorCode::Invalid, path + ": holds no valid height between the poles"};
-    return file;
-}
+
+    const std::string& _path;
+    const DemReadOptions& _options;
+    OpenDem& _dem;
+    const GdalErrors& _errors;
+    const DemInfo& _info;
+    std::size_t _columns;
+    std::vector<Real> _stored; ///< rows of the file
+    std::vector<GByte> _mask;  ///< of a strip
+    CustomaryVoids _customs;
+    HeightSurvey _survey;
+};
 
 } // namespace
-
-GdalErrors::GdalErrors()
-{
-    static std::once_flag once;
-    std::call_once(once, [] { GDALAllRegister(); });
-    CPLPushErrorHandlerEx(keepError, this);
-    // CPL_DEBUG stays the user's to switch on.
-    CPLSetCurrentErrorHandlerCatchDebug(FALSE);
-}
-
-GdalErrors::~GdalErrors()
-{
-    CPLPopErrorHandler();
-}
-
-void GdalErrors::add(bool failure, const char* message)
-{
-    if (!failure)
-        _warning = message;
-    else
-    {
-        if (_firstFailure.empty())
-            _firstFailure = message;
-        _lastFailure = message;
-    }
-}
-
-void GdalErrors::clear()
-{
-    _firstFailure.clear();
-    _lastFailure.clear();
-    _warning.clear();
-}
-
-std::string GdalErrors::first() const
-{
-    if (!_firstFailure.empty())
-        return _firstFailure;
-    return _warning.empty() ? "GDAL gives no reason" : _warning;
-}
-
-std::string GdalErrors::last() const
-{
-    return _lastFailure.empty() ? first() : _lastFailure;
-}
-
-MetresPerRadian metresPerRadian(double latitude, double semiMajor, double semiMinor)
-{
-    const double a2 = semiMajor * semiMajor;
-    const double b2 = semiMinor * semiMinor;
-    const double cosine = std::max(std::cos(latitude), 1.0e-6);
-    const double sine = std::sin(latitude);
-    const double w2 = a2 * cosine * cosine + b2 * sine * sine;
-    const double w = std::sqrt(w2);
-    return {a2 / w * cosine, a2 * b2 / (w2 * w)};
-}
 
 Result<DemInfo> describeDem(const std::string& path, const DemReadOptions& options)
 {
@@ -711,16 +474,9 @@ Result<DemFile> readDem(const std::string& path, const DemReadOptions& options)
         Result<OpenDem> opened = openDem(path, options, true, errors);
         if (!opened)
             return opened.error();
-        switch (opened->band->GetRasterDataType())
-        {
-        case GDT_Byte:
-        case GDT_Int16:
-        case GDT_UInt16:
-        case GDT_Float32:
-            return readHeights<float>(path, options, *opened, errors);
-        default:
-            return readHeights<double>(path, options, *opened, errors);
-        }
+        if (opened->info.fitsFloat)
+            return HeightReader<float>(path, options, *opened, errors).read();
+        return HeightReader<double>(path, options, *opened, errors).read();
     }
     catch (const std::bad_alloc&)
     {

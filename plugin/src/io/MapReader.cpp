@@ -1,5 +1,8 @@
 #include "io/MapReader.h"
 
+#include "io/GdalErrors.h"
+#include "io/GroundSpacing.h"
+
 #include <cpl_minixml.h>
 #include <cpl_string.h>
 #include <gdal_priv.h>

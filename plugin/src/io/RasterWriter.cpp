@@ -1,5 +1,7 @@
 #include "io/RasterWriter.h"
 
+#include "io/GdalErrors.h"
+
 #include <cpl_conv.h>
 #include <cpl_string.h>
 #include <cpl_vsi.h>

@@ -196,7 +196,8 @@ Status setTimeAndPlace(TerrainLighting& node, const LightParameters& light,
         return Error{ErrorCode::Invalid, "time = " + toString(*light.time) +
                                              ": the sun is that of " + light.skyFile +
                                              ": needs another sky, or no time"};
-    const Result<EarthPlace> place = placeInstead(light.place, placeOf(tile.value_or(DemTile())));
+    const Result<EarthPlace> place =
+        placeInstead(light.place, tile ? tile->crs : "", placeOf(tile.value_or(DemTile())));
     if (place)
         node.setPlace(*place);
     else if (light.time)

@@ -2,7 +2,7 @@
 
 #include "io/AlbedoFile.h"
 
-#include "io/DemReader.h"
+#include "io/GroundSpacing.h"
 
 #include <osgTerrain/Layer>
 #include <osgTerrain/Locator>

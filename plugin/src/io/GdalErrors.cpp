@@ -1,0 +1,64 @@
+#include "io/GdalErrors.h"
+
+#include <cpl_error.h>
+#include <gdal.h>
+
+#include <mutex>
+
+namespace osgTerrainLight
+{
+namespace
+{
+void CPL_STDCALL keepError(CPLErr level, CPLErrorNum, const char* message)
+{
+    if (auto* errors = static_cast<GdalErrors*>(CPLGetErrorHandlerUserData()))
+        errors->add(level >= CE_Failure, message);
+}
+} // namespace
+
+GdalErrors::GdalErrors()
+{
+    static std::once_flag once;
+    std::call_once(once, [] { GDALAllRegister(); });
+    CPLPushErrorHandlerEx(keepError, this);
+    // CPL_DEBUG stays the user's to switch on.
+    CPLSetCurrentErrorHandlerCatchDebug(FALSE);
+}
+
+GdalErrors::~GdalErrors()
+{
+    CPLPopErrorHandler();
+}
+
+void GdalErrors::add(bool failure, const char* message)
+{
+    if (!failure)
+        _warning = message;
+    else
+    {
+        if (_firstFailure.empty())
+            _firstFailure = message;
+        _lastFailure = message;
+    }
+}
+
+void GdalErrors::clear()
+{
+    _firstFailure.clear();
+    _lastFailure.clear();
+    _warning.clear();
+}
+
+std::string GdalErrors::first() const
+{
+    if (!_firstFailure.empty())
+        return _firstFailure;
+    return _warning.empty() ? "GDAL gives no reason" : _warning;
+}
+
+std::string GdalErrors::last() const
+{
+    return _lastFailure.empty() ? first() : _lastFailure;
+}
+
+} // namespace osgTerrainLight

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <osgTerrainLight/Export.h>
+
+#include <string>
+
+namespace osgTerrainLight
+{
+
+/// While it lives, GDAL's errors and warnings on this thread are kept here and off stderr.
+/// Registers GDAL's drivers on first use.
+class GdalErrors
+{
+public:
+    GdalErrors();
+    ~GdalErrors();
+    GdalErrors(const GdalErrors&) = delete;
+    GdalErrors& operator=(const GdalErrors&) = delete;
+
+    void add(bool failure, const char* message);
+    void clear();
+
+    bool hasFailure() const { return !_firstFailure.empty(); }
+    /// The first failure is mostly the cause, the last the one that names the place; a warning
+    /// stands in where there was no failure, and a fixed phrase where there was nothing.
+    std::string first() const;
+    std::string last() const;
+
+private:
+    std::string _firstFailure, _lastFailure, _warning;
+};
+
+} // namespace osgTerrainLight

@@ -1,0 +1,52 @@
+#pragma once
+
+#include "core/Result.h"
+#include <osgTerrainLight/Export.h>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+class GDALDataset;
+class GDALRasterBand;
+
+namespace osgTerrainLight
+{
+
+/// All that GDAL says of a band of heights, asked once. docs/INPUTS.md has the table.
+struct BandFacts
+{
+    std::string dataType;     ///< GDAL's name; Int8 also where GDAL reads signed bytes as unsigned
+    bool signedBytes = false; ///< pixels are read as 0 … 255 and mean −128 … 127
+    bool integer = false;     ///< whole numbers
+    bool fitsFloat = false;   ///< at most 24 significant bits
+    bool hasMask = false;     ///< a mask or alpha band says what is void
+    bool hasColourTable = false;
+    std::optional<double> noData;     ///< of stored values
+    double scale = 1.0, offset = 0.0; ///< value = stored · scale + offset
+    std::string heightUnit;           ///< empty where nothing says one: metres
+    double metresPerHeightUnit = 1.0; ///< > 0
+    bool depths = false;              ///< the vertical axis points down: height = −value
+    std::optional<std::array<double, 2>> statistics; ///< lowest and highest value, as once computed
+
+    /// Of a stored value [m], up.
+    double metresOf(double stored) const
+    {
+        const double metres = (stored * scale + offset) * metresPerHeightUnit;
+        return depths ? -metres : metres;
+    }
+};
+
+/// A unit's length in metres by the names in use ("ft", "US survey foot", "Meters"); nothing where
+/// the name is not known.
+OSGTERRAINLIGHT_EXPORT std::optional<double> metresPerHeightUnit(const std::string& name);
+
+/// givenUnit: instead of what band and CRS say; empty where not given. Errors: complex numbers, a
+/// picture's channel, a scale of 0. What is assumed goes to notes, one sentence each.
+OSGTERRAINLIGHT_EXPORT Result<BandFacts> readBandFacts(const std::string& path,
+                                                       GDALDataset& dataset, int band,
+                                                       const std::string& givenUnit,
+                                                       std::vector<std::string>& notes);
+
+} // namespace osgTerrainLight
