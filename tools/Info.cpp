@@ -110,54 +110,6 @@ void printRaster(const std::string& path, const DemInfo& info)
 void printHeights(const DemFile& dem, std::size_t notesPrinted)
 {
     const DemTile& tile = dem.tile;
-    line("Heights", mebibytes(heights));
-    line("Horizon map", mebibytes(map));
-    line("Working space", mebibytes(working));
-    line("Sky view", mebibytes(skyView));
-    line("Sun's horizon", mebibytes(sun));
-    line("Shading", mebibytes(shading));
-    line("All", mebibytes(heights + map + working + skyView + sun + shading));
-}
-
-void printRaster(const std::string& path, const DemInfo& info)
-{
-    std::cout << "\n";
-    line("Raster", path);
-    line("Format", info.driver + ", " + info.dataType + ", " + std::to_string(info.bandCount) +
-                       (info.bandCount == 1 ? " band" : " bands"));
-    line("Size", size(info.rasterWidth, info.rasterHeight));
-    if (info.window.width != info.rasterWidth || info.window.height != info.rasterHeight)
-        line("Window", size(info.window.width, info.window.height) + " at " +
-                           std::to_string(info.window.column) + ", " +
-                           std::to_string(info.window.row));
-    line("CRS", info.crsName.empty() ? "unknown"
-                                     : info.crsName + (info.geographic ? " (geographic)" : ""));
-    line("Spacing", text(info.eastSpacing) + " m east, " + text(info.northSpacing) +
-                        " m north, in the middle");
-    line("Height unit", (info.heightUnit.empty() ? "not said: metres" : info.heightUnit) +
-                            (info.depths ? ", downwards" : ""));
-    if (info.scale != 1.0 || info.offset != 0.0)
-        line("Stored as", "height = stored * " + text(info.scale) + " + " + text(info.offset));
-    line("Nodata", info.noData ? text(*info.noData) : "none");
-    if (info.statistics)
-        line("Statistics", text((*info.statistics)[0]) + " ... " + text((*info.statistics)[1]) +
-                               ", as stored in the file");
-    for (const std::string& note : info.notes)
-        line("Note", note);
-}
-
-void printHeights(const DemFile& dem, std::size_t notesPrinted)
-{
-    const DemTile& tile = dem.tile;
-    double lowest = std::numeric_limits<double>::infinity();
-    double highest = -lowest;
-    for (std::size_t i = 0; i < tile.postCount(); ++i)
-        if (tile.validity()[i])
-        {
-            const double height = tile.heightOrigin + static_cast<double>(tile.heights()[i]);
-            lowest = std::min(lowest, height);
-            highest = std::max(highest, height);
-        }
     line("Heights", text(dem.lowest) + " ... " + text(dem.highest) + " m");
     line("Void posts", std::to_string(tile.postCount() - tile.validCount()) + " of " +
                            std::to_string(tile.postCount()));

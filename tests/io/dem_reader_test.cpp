@@ -1,6 +1,7 @@
 #include "io/DemReader.h"
 #include "io/GroundSpacing.h"
 
+#include "support/MemoryRaster.h"
 #include "support/SharedData.h"
 
 #include <cpl_vsi.h>
@@ -47,71 +48,6 @@ bool mentions(const std::vector<std::string>& notes, const std::string& text)
             return true;
     return false;
 }
-
-/// A small GeoTIFF in memory, 3 columns by 2 rows of 1 2 3 / 4 5 6 unless told otherwise.
-struct MemoryRaster
-{
-    int width = 3;
-    int height = 2;
-    GDALDataType type = GDT_Float32;
-    std::vector<double> values = {1, 2, 3, 4, 5, 6};
-    std::vector<double> transform = {500000, 10, 0, 4000000, 0, -10};
-    std::string crs = "EPSG:32633";
-    std::string unit;
-    std::optional<double> noData;
-    double scale = 1.0, offset = 0.0;
-    int bands = 1;
-    std::vector<std::string> creation;
-    std::vector<GByte> datasetMask;
-
-    std::string write() const
-    {
-        static int counter = 0;
-        GDALAllRegister();
-        const std::string path = "/vsimem/dem_reader_test_" + std::to_string(counter++) + ".tif";
-        CPLStringList options;
-        for (const std::string& option : creation)
-            options.AddString(option.c_str());
-        GDALDatasetUniquePtr dataset(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
-            path.c_str(), width, height, bands, type, options.List()));
-        if (transform.size() == 6)
-        {
-            std::vector<double> copy = transform;
-            dataset->SetGeoTransform(copy.data());
-        }
-        if (!crs.empty())
-        {
-            OGRSpatialReference reference;
-            EXPECT_EQ(reference.SetFromUserInput(crs.c_str()), OGRERR_NONE);
-            dataset->SetSpatialRef(&reference);
-        }
-        GDALRasterBand& band = *dataset->GetRasterBand(1);
-        if (!unit.empty())
-            band.SetUnitType(unit.c_str());
-        if (noData)
-            band.SetNoDataValue(*noData);
-        if (scale != 1.0 || offset != 0.0)
-        {
-            band.SetScale(scale);
-            band.SetOffset(offset);
-        }
-        std::vector<double> copy = values;
-        EXPECT_EQ(band.RasterIO(GF_Write, 0, 0, width, height, copy.data(), width, height,
-                                GDT_Float64, 0, 0, nullptr),
-                  CE_None);
-        if (!datasetMask.empty())
-        {
-            CPLSetThreadLocalConfigOption("GDAL_TIFF_INTERNAL_MASK", "YES");
-            dataset->CreateMaskBand(GMF_PER_DATASET);
-            std::vector<GByte> mask = datasetMask;
-            EXPECT_EQ(band.GetMaskBand()->RasterIO(GF_Write, 0, 0, width, height, mask.data(),
-                                                   width, height, GDT_Byte, 0, 0, nullptr),
-                      CE_None);
-            CPLSetThreadLocalConfigOption("GDAL_TIFF_INTERNAL_MASK", nullptr);
-        }
-        return path;
-    }
-};
 
 std::vector<double> heightsOf(const DemTile& tile)
 {
@@ -176,6 +112,7 @@ struct Refused
 };
 
 // Sizes, ranges and void counts are those of gdalinfo -stats, apart from feet and planted values.
+// Spacings of the two equal-area maps: PROJ's geod between posts beside the middle.
 // Spacings of geographic files: cell · π/180 · radius of curvature, to four digits.
 // clang-format off
 const Readable readable[] = {
@@ -200,8 +137,8 @@ const Readable readable[] = {
      "12 posts without a finite height"},
     {"rasterio_float_nan.tif", 3, 2, 1, -1.88, 1.41, 100, 100, 50, 50, "no CRS"},
     {"rasterio_float_raster_with_nodata.tif",
-     13, 12, 58, 0, 0.25, 500, 500, 6301862.204094, 3308362.230618, ""},
-    {"rasterio_test_esri_wkt.tif", 2, 2, 0, 1, 4, 10, 10, -14060, 2368510, ""},
+     13, 12, 58, 0, 0.25, 506.111, 493.966, 6301862.204094, 3308362.230618, ""},
+    {"rasterio_test_esri_wkt.tif", 2, 2, 0, 1, 4, 10.030, 9.970, -14060, 2368510, ""},
     {"topobathy_lon0_360_nonsquare.tif",
      120, 91, 0, -1437, 2205, 2439.07, 2431.55, 234.016693115, 48.016368867, ""},
 };
@@ -296,7 +233,7 @@ TEST(AwkwardDem, PlantedValuesAreVoidWhereTheyWerePlanted)
     EXPECT_FALSE(validAt(40, 40));
     EXPECT_TRUE(validAt(11, 10));
     EXPECT_TRUE(validAt(10, 40));
-    EXPECT_TRUE(mentions(read->notes, "1 post of -32767, -32768"));
+    EXPECT_TRUE(mentions(read->notes, "1 post of -32768"));
 }
 
 TEST(AwkwardDem, ZippedByPathAndHintForAnArchive)
@@ -474,8 +411,8 @@ TEST(DemReader, MapUnits)
     Result<DemFile> read = readDem(raster.write());
     ASSERT_TRUE(read.ok()) << read.error().message;
     EXPECT_NEAR(read->tile.northSpacing, 100.0 * 1200.0 / 3937.0, 1e-9);
-    EXPECT_NEAR(heightAt(read->tile, 2, 0), 6.0, 1e-6);
-    EXPECT_TRUE(read->notes.empty());
+    EXPECT_NEAR(heightAt(read->tile, 2, 0), 6.0 * 1200.0 / 3937.0, 1e-6);
+    EXPECT_TRUE(mentions(read->notes, "in the map's, US survey foot"));
 
     raster.crs = "EPSG:2263+6360";
     read = readDem(raster.write());
@@ -496,8 +433,14 @@ TEST(DemReader, MapUnits)
     raster.crs = "EPSG:3857"; // at 60° north its metres are half a metre
     raster.transform = {0, 100, 0, 8399737.89, 0, -100};
     read = readDem(raster.write());
-    EXPECT_EQ(read->tile.northSpacing, 100.0);
-    EXPECT_TRUE(mentions(read->notes, "1.99 (east) and 2 (north)")) << read->notes.front();
+    // By the radii of curvature on the ellipsoid; the map's own radius is a.
+    const MetresPerRadian metres =
+        metresPerRadian(59.9996 * std::acos(-1.0) / 180.0, 6378137.0, 6356752.314245);
+    EXPECT_NEAR(read->tile.eastSpacing(0), 100.0 * metres.east / 6378137.0, 1e-3);
+    EXPECT_NEAR(read->tile.northSpacing,
+                100.0 * metres.north * std::cos(59.9996 * std::acos(-1.0) / 180.0) / 6378137.0,
+                1e-3);
+    EXPECT_TRUE(read->notes.empty()) << read->notes.front();
 }
 
 TEST(DemReader, ScaleOffsetAndUnitTogether)
@@ -543,8 +486,9 @@ TEST(DemReader, VoidsOfEveryKind)
     raster.type = GDT_Int16;
     raster.values = {1, -32768, 3, -9999, 5, 6};
     read = readDem(raster.write());
-    expectHeights(read->tile, {-9999, 5, 6, 1, missing, 3});
-    EXPECT_TRUE(mentions(read->notes, "-32768"));
+    expectHeights(read->tile, {missing, 5, 6, 1, missing, 3});
+    EXPECT_TRUE(mentions(read->notes, "1 post of -32768"));
+    EXPECT_TRUE(mentions(read->notes, "1 post of -9999"));
 
     raster = MemoryRaster();
     raster.datasetMask = {255, 0, 255, 255, 255, 0};

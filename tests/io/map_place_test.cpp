@@ -140,16 +140,100 @@ TEST(MapPlace, SaysWhyThereIsNone)
     EXPECT_TRUE(placeOnMap(wkt("+proj=eqc +R=6371007 +units=m"), 1e5, 2e6));
 }
 
-TEST(MapPlace, AGivenPlaceKeepsTheMapsNorth)
+namespace
+{
+/// Convergence of a given place on a map whose middle is elsewhere.
+double convergenceOf(const std::string& crs, double longitude, double latitude)
+{
+    const Result<EarthPlace> place =
+        placeInstead(EarthPlace{longitude, latitude, 0.0}, wkt(crs), EarthPlace{1.0, 2.0, 33.0});
+    EXPECT_TRUE(place) << (place ? "" : place.error().message);
+    if (!place)
+        return std::nan("");
+    EXPECT_EQ(place->longitude, longitude);
+    EXPECT_EQ(place->latitude, latitude);
+    return place->convergence;
+}
+
+double turned(double degrees)
+{
+    return std::remainder(degrees, 360.0);
+}
+} // namespace
+
+// Convergence is that of the given place: UTM as above (its ellipsoid adds 1e-3 degrees), a conic
+// map's cone constant times the longitude from its central meridian (Snyder 1987, section 15), and
+// the longitude itself on polar maps.
+TEST(MapPlace, AGivenPlaceHasTheConvergenceThere)
+{
+    const auto utm = [](double east, double latitude)
+    {
+        return std::atan(std::tan(east * radiansPerDegree) *
+                         std::sin(latitude * radiansPerDegree)) /
+               radiansPerDegree;
+    };
+    EXPECT_NEAR(convergenceOf("EPSG:32633", 18.0, 60.0), utm(3.0, 60.0), 0.002);
+    EXPECT_NEAR(convergenceOf("EPSG:32733", 12.5, -41.0), utm(-2.5, -41.0), 0.002);
+    const std::string conic = "+proj=lcc +lat_1=45 +lat_0=45 +lon_0=10 +ellps=WGS84 +units=m";
+    for (const double longitude : {-20.0, 10.0, 35.0})
+        EXPECT_NEAR(convergenceOf(conic, longitude, 52.0),
+                    (longitude - 10.0) * std::sin(45.0 * radiansPerDegree), 1e-5);
+    for (const double longitude : {-70.0, -20.0, 130.0})
+    {
+        EXPECT_NEAR(turned(convergenceOf("EPSG:3413", longitude, 71.0) - (longitude + 45.0)), 0.0,
+                    1e-5);
+        EXPECT_NEAR(turned(convergenceOf("EPSG:3031", longitude, -82.0) + longitude), 0.0, 1e-5);
+    }
+    EXPECT_EQ(placeInstead(EarthPlace{10.0, 60.0, 0.0}, "", placeOnMap("", 0.0, 0.0))->convergence,
+              0.0)
+        << "without a CRS rows run from west to east";
+    EXPECT_FALSE(placeInstead(std::nullopt, "", placeOnMap("", 0.0, 0.0)));
+    EXPECT_EQ(placeInstead(std::nullopt, "", EarthPlace{9.0, 50.0, 1.5})->convergence, 1.5);
+}
+
+// At a pole each longitude has a north of its own, and the rule of polar maps holds for it. The
+// tolerance is that of 1e-4 of the radius between the points of a difference.
+TEST(MapPlace, APoleIsAPlaceAsAnyOther)
+{
+    const struct
+    {
+        const char* crs;
+        double latitude, sign, central;
+    } maps[] = {{"EPSG:3413", 90.0, 1.0, -45.0},
+                {"EPSG:3995", 90.0, 1.0, 0.0},
+                {"EPSG:3031", -90.0, -1.0, 0.0},
+                {"EPSG:3976", -90.0, -1.0, 0.0},
+                {"+proj=laea +lat_0=90 +lon_0=20 +ellps=WGS84", 90.0, 1.0, 20.0}};
+    for (const auto& map : maps)
+    {
+        SCOPED_TRACE(map.crs);
+        const Result<EarthPlace> middle = placeOnMap(wkt(map.crs), 0.0, 0.0);
+        ASSERT_TRUE(middle) << middle.error().message;
+        EXPECT_NEAR(middle->latitude, map.latitude, 1e-9);
+        const auto expected = [&](double longitude)
+        { return map.sign * (longitude - map.central); };
+        EXPECT_NEAR(turned(middle->convergence - expected(middle->longitude)), 0.0, 1e-4);
+        for (const double longitude : {0.0, 30.0, -120.0, 180.0, 190.0})
+            EXPECT_NEAR(
+                turned(convergenceOf(map.crs, longitude, map.latitude) - expected(longitude)), 0.0,
+                1e-4)
+                << longitude;
+        // A kilometre beside it, where a difference along the axis passes the pole closely.
+        const Result<EarthPlace> beside = placeOnMap(wkt(map.crs), 300.0, -400.0);
+        EXPECT_NEAR(turned(beside->convergence - expected(beside->longitude)), 0.0, 1e-4);
+    }
+}
+
+TEST(MapPlace, AGivenPlaceThatTheMapDoesNotShowIsRefused)
 {
     const EarthPlace given{10.0, 60.0, 0.0};
-    const Result<EarthPlace> own = EarthPlace{9.0, 50.0, 1.5};
-    EXPECT_EQ(placeInstead(given, own)->latitude, 60.0);
-    EXPECT_EQ(placeInstead(given, own)->convergence, 1.5);
-    EXPECT_EQ(placeInstead(std::nullopt, own)->latitude, 50.0);
-    const Result<EarthPlace> none = placeOnMap("", 0.0, 0.0);
-    EXPECT_EQ(placeInstead(given, none)->latitude, 60.0);
-    EXPECT_FALSE(placeInstead(std::nullopt, none));
-    const Result<EarthPlace> moon = placeOnMap(wkt("+proj=longlat +R=1737400"), 0.0, 0.0);
-    EXPECT_FALSE(placeInstead(given, moon)) << "time means nothing there";
+    const Result<EarthPlace> moon = placeInstead(given, wkt("+proj=longlat +R=1737400"), given);
+    EXPECT_FALSE(moon) << "time means nothing there";
+    const std::string crs = wkt("+proj=ortho +lat_0=0 +lon_0=180 +ellps=WGS84");
+    const Result<EarthPlace> behind = placeInstead(given, crs, given);
+    ASSERT_FALSE(behind);
+    EXPECT_NE(behind.error().message.find("place 10, 60 does not lie on the map"),
+              std::string::npos)
+        << behind.error().message;
+    EXPECT_TRUE(placeInstead(EarthPlace{-170.0, 20.0, 0.0}, crs, given));
 }

@@ -132,6 +132,10 @@ void expectRoundTrip(const std::string& input, const std::string& output,
     double b[6] = {};
     before->GetGeoTransform(a);
     after->GetGeoTransform(b);
+    // Heights of a tile carry the changes of the map's scale: HeightFactors.
+    const Result<DemInfo> info = describeDem(input, options);
+    const bool scaled = !info->geographic && info->northSpacing != std::abs(a[5]);
+    const float tolerance = scaled ? 1e-4f : 0.0f;
     if (!options.window)
     {
         EXPECT_EQ(before->GetRasterXSize(), after->GetRasterXSize());
@@ -145,7 +149,7 @@ void expectRoundTrip(const std::string& input, const std::string& output,
             if (found[i] == RasterWriter::noData)
                 ++voids;
             else
-                ASSERT_EQ(found[i], expected[i]) << i;
+                ASSERT_NEAR(found[i], expected[i], tolerance * std::abs(expected[i])) << i;
         EXPECT_EQ(voids, dem->tile.postCount() - dem->tile.validCount());
     }
     else
@@ -164,7 +168,11 @@ void expectRoundTrip(const std::string& input, const std::string& output,
     // And our own reader finds the same tile.
     const Result<DemFile> again = readDem(output);
     ASSERT_TRUE(again.ok()) << again.error().message;
-    EXPECT_EQ(again->tile.heights(), dem->tile.heights());
+    ASSERT_EQ(again->tile.postCount(), dem->tile.postCount());
+    for (std::size_t i = 0; i < dem->tile.postCount(); ++i)
+        ASSERT_NEAR(again->tile.heights()[i], dem->tile.heights()[i],
+                    tolerance * std::abs(dem->tile.heights()[i]))
+            << i;
     EXPECT_EQ(again->tile.validity(), dem->tile.validity());
     EXPECT_DOUBLE_EQ(again->tile.northSpacing, dem->tile.northSpacing);
     EXPECT_DOUBLE_EQ(again->tile.mapOriginX, dem->tile.mapOriginX);

@@ -1,0 +1,312 @@
+#include "io/RasterBand.h"
+
+#include "io/DemReader.h"
+#include "support/MemoryRaster.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+// What GDAL says of a band, and what becomes of it: the rows of docs/INPUTS.md.
+
+using namespace osgTerrainLight;
+
+namespace
+{
+const double missing = std::numeric_limits<double>::quiet_NaN();
+constexpr double surveyFoot = 1200.0 / 3937.0; // of the US Metric Law of 1866
+constexpr double foot = 0.3048;
+
+std::vector<double> heightsOf(const DemFile& file)
+{
+    std::vector<double> heights; // rows of the file
+    for (int row = file.tile.height(); row-- > 0;)
+        for (int column = 0; column < file.tile.width(); ++column)
+            heights.push_back(file.tile.isValid(column, row)
+                                  ? file.tile.heightOrigin +
+                                        static_cast<double>(file.tile.heightAt(column, row))
+                                  : missing);
+    return heights;
+}
+
+/// The one note that holds a text, or all of them.
+std::string noteWith(const DemFile& file, const std::string& text)
+{
+    std::string all;
+    for (const std::string& note : file.notes)
+    {
+        if (note.find(text) != std::string::npos)
+            return note;
+        all += note + "; ";
+    }
+    return "no note \"" + text + "\" among: " + all;
+}
+
+/// Reads, and compares to float's rounding of what is 1e4 at most.
+DemFile expectHeights(const MemoryRaster& raster, const std::vector<double>& expected,
+                      const DemReadOptions& options = {})
+{
+    const Result<DemFile> read = readDem(raster.write(), options);
+    EXPECT_TRUE(read) << (read ? "" : read.error().message);
+    if (!read)
+        return {};
+    const std::vector<double> found = heightsOf(*read);
+    for (std::size_t i = 0; i < expected.size(); ++i)
+        if (std::isnan(expected[i]))
+            EXPECT_TRUE(std::isnan(found[i])) << i << ": " << found[i];
+        else
+            EXPECT_NEAR(found[i], expected[i], 1e-3) << i;
+    return *read;
+}
+
+MemoryRaster onMap(const std::string& crs)
+{
+    MemoryRaster raster;
+    raster.crs = crs;
+    raster.transform = {980000, 100, 0, 200000, 0, -100};
+    return raster;
+}
+} // namespace
+
+TEST(RasterBand, AUnitOfTheBandGoesBeforeTheMaps)
+{
+    MemoryRaster raster = onMap("EPSG:2263"); // US survey feet
+    for (const auto& [name, metres] :
+         std::vector<std::pair<std::string, double>>{{"m", 1.0},
+                                                     {"METERS", 1.0},
+                                                     {"foot", foot},
+                                                     {"us-ft", surveyFoot},
+                                                     {"US survey foot", surveyFoot},
+                                                     {"fathoms", 1.8288},
+                                                     {"kilometre", 1000.0}})
+    {
+        raster.unit = name;
+        const DemFile file = expectHeights(raster, {metres, 2 * metres, 3 * metres, 4 * metres});
+        EXPECT_TRUE(file.notes.empty()) << file.notes.front();
+    }
+    raster.unit = "furlongs of old";
+    EXPECT_NE(noteWith(expectHeights(raster, {1, 2, 3}), "is not known").find("as metres"),
+              std::string::npos);
+}
+
+TEST(RasterBand, AVerticalCrsHasTheUnit)
+{
+    EXPECT_TRUE(expectHeights(onMap("EPSG:2263+5703"), {1, 2, 3}).notes.empty()) << "metres";
+    EXPECT_TRUE(expectHeights(onMap("EPSG:2263+6360"), {surveyFoot, 2 * surveyFoot}).notes.empty());
+    EXPECT_TRUE(expectHeights(onMap("EPSG:32618+8228"), {foot, 2 * foot}).notes.empty())
+        << "feet on a map in metres";
+}
+
+TEST(RasterBand, AMapInFeetHasHeightsInFeetAndSaysSo)
+{
+    const struct
+    {
+        const char* crs;
+        double metres;
+        const char* name;
+    } maps[] = {{"EPSG:2222", foot, "foot"}, // Arizona, international feet
+                {"EPSG:2225", surveyFoot, "US survey foot"},
+                {"EPSG:3361", foot, "foot"}}; // South Carolina
+    for (const auto& map : maps)
+    {
+        const MemoryRaster raster = onMap(map.crs);
+        const DemFile file = expectHeights(raster, {map.metres, 2 * map.metres});
+        EXPECT_NE(noteWith(file, "no height unit is known").find(map.name), std::string::npos);
+        DemReadOptions options;
+        options.heightUnit = "m";
+        EXPECT_TRUE(expectHeights(raster, {1, 2, 3}, options).notes.empty());
+    }
+    EXPECT_TRUE(expectHeights(onMap("EPSG:32618"), {1, 2, 3}).notes.empty()) << "metres";
+}
+
+TEST(RasterBand, UnitAndFactorGiven)
+{
+    MemoryRaster raster;
+    raster.unit = "ft";
+    DemReadOptions options;
+    options.heightUnit = "us-ft";
+    expectHeights(raster, {surveyFoot, 2 * surveyFoot}, options);
+    options.heightFactor = 2.5;
+    expectHeights(raster, {2.5 * surveyFoot, 5 * surveyFoot}, options);
+    options.heightFactor = -1.0;
+    const DemFile turned = expectHeights(raster, {-surveyFoot, -2 * surveyFoot}, options);
+    EXPECT_NEAR(turned.lowest, -6 * surveyFoot, 1e-9);
+    EXPECT_NEAR(turned.highest, -surveyFoot, 1e-9);
+    options.heightUnit = "parsecs";
+    const Result<DemFile> unknown = readDem(raster.write(), options);
+    ASSERT_FALSE(unknown);
+    EXPECT_NE(unknown.error().message.find("such as m, ft or us-ft"), std::string::npos);
+    options.heightUnit = "";
+    options.heightFactor = 0.0;
+    EXPECT_FALSE(readDem(raster.write(), options));
+
+    // A 16-bit picture of heights: no unit, no place, 65536 levels over 2000 m.
+    raster = MemoryRaster();
+    raster.type = GDT_UInt16;
+    raster.transform.clear();
+    raster.crs = "";
+    raster.values = {0, 65535, 32768, 1, 2, 3};
+    options.heightFactor = 2000.0 / 65535.0;
+    options.cellSize = 30.0;
+    expectHeights(raster, {0, 2000, 2000.0 * 32768 / 65535}, options);
+}
+
+TEST(RasterBand, AnAxisThatPointsDownMakesDepths)
+{
+    const DemFile file = expectHeights(onMap("EPSG:32618+5715"), {-1, -2, -3, -4});
+    EXPECT_FALSE(noteWith(file, "points down").empty());
+    expectHeights(onMap("EPSG:2263+6358"), {-surveyFoot, -2 * surveyFoot});
+    MemoryRaster raster;
+    raster.metadata = {{"positive", "down"}};
+    raster.noData = 3;
+    raster.offset = 10;
+    expectHeights(raster, {-11, -12, missing, -14});
+    raster = onMap("EPSG:32618+5715");
+    raster.metadata = {{"positive", "up"}}; // the band's own word holds
+    expectHeights(raster, {1, 2, 3});
+}
+
+TEST(RasterBand, SignedBytes)
+{
+    MemoryRaster raster;
+    raster.type = GDT_Byte;
+    raster.creation = {"PIXELTYPE=SIGNEDBYTE"};
+    raster.values = {0, 127, 128, 255, 236, 1}; // as GDAL before 3.7 writes them
+    expectHeights(raster, {0, 127, -128, -1, -20, 1});
+    raster.noData = -128;
+    expectHeights(raster, {0, 127, missing, -1, -20, 1});
+    raster.noData = 255; // the same byte counted without a sign
+    expectHeights(raster, {0, 127, -128, missing, -20, 1});
+    raster.noData.reset();
+    raster.scale = 0.5;
+    raster.offset = 100;
+    expectHeights(raster, {100, 163.5, 36, 99.5, 90, 100.5});
+    EXPECT_EQ(describeDem(raster.write())->dataType, "Int8");
+    raster.creation.clear();
+    expectHeights(raster, {100, 163.5, 164, 227.5, 218, 100.5});
+}
+
+TEST(RasterBand, AColourTableIsForDisplay)
+{
+    for (const GDALDataType type : {GDT_Byte, GDT_UInt16})
+    {
+        MemoryRaster raster;
+        raster.type = type;
+        raster.colourTable = true;
+        EXPECT_NE(noteWith(expectHeights(raster, {1, 2, 3, 4, 5, 6}), "colour table")
+                      .find("taken as heights"),
+                  std::string::npos);
+    }
+}
+
+TEST(RasterBand, StatisticsAreToldAndNotUsed)
+{
+    MemoryRaster raster;
+    raster.metadata = {{"STATISTICS_MINIMUM", "2.5"}, {"STATISTICS_MAXIMUM", "4.5"}};
+    EXPECT_TRUE(expectHeights(raster, {1, 2, 3, 4, 5, 6}).notes.empty());
+    const Result<DemInfo> info = describeDem(raster.write());
+    ASSERT_TRUE(info && info->statistics);
+    EXPECT_EQ((*info->statistics)[0], 2.5);
+    EXPECT_EQ((*info->statistics)[1], 4.5);
+}
+
+TEST(RasterBand, TheCoordinateEpochIsKept)
+{
+    MemoryRaster raster;
+    raster.transform = {10, 0.001, 0, 50, 0, -0.001};
+    raster.crs = "EPSG:9000"; // ITRF2014
+    raster.epoch = 2021.5;
+    EXPECT_EQ(readDem(raster.write())->frame.coordinateEpoch, 2021.5);
+    raster.epoch = 0.0;
+    EXPECT_EQ(readDem(raster.write())->frame.coordinateEpoch, 0.0);
+}
+
+TEST(RasterBand, RadiiBecomeHeightsOfTheirBody)
+{
+    const auto body = [](double radius)
+    { return "+proj=eqc +units=m +R=" + std::to_string(radius); };
+    MemoryRaster raster;
+    raster.crs = body(3396190);
+    raster.transform = {0, 463, 0, 100000, 0, -463};
+    raster.type = GDT_Int16;
+    raster.offset = 3396000; // Mars, MOLA's sphere
+    raster.values = {-4000, -100, 0, 100, 21000, 190};
+    DemFile file = expectHeights(raster, {-4190, -290, -190, -90, 20810, 0});
+    EXPECT_NE(noteWith(file, "radii").find("3396190 m come off"), std::string::npos);
+
+    raster = MemoryRaster();
+    raster.transform = {0, 100, 0, 1000, 0, -100};
+    raster.crs = body(11100); // Phobos: no body's hills are higher for its size
+    raster.values = {9000, 13100, 11100, 10000, 11000, 12000};
+    expectHeights(raster, {-2100, 2000, 0, -1100, -100, 900});
+
+    raster = MemoryRaster();
+    raster.crs = "+proj=longlat +R=1737400";
+    raster.transform = {10, 0.1, 0, 1, 0, -0.1};
+    raster.type = GDT_Float64;
+    raster.offset = 1737.4; // kilometres, without a word
+    raster.values = {-2.5, 0, 1.25, 0.5, 0.25, 0};
+    file = expectHeights(raster, {-2500, 0, 1250, 500, 250, 0});
+    EXPECT_NE(noteWith(file, "kilometres").find("so are its heights"), std::string::npos);
+
+    raster.offset = 0;
+    raster.values = {1737500, 1737300, 0, 1737400, missing, 1737401}; // 0: outside the survey
+    file = expectHeights(raster, {100, -100, missing, 0, missing, 1});
+
+    raster.values = {1500, 1800, -200, 0, 900, 3000}; // heights of the Moon
+    EXPECT_TRUE(expectHeights(raster, raster.values).notes.empty());
+}
+
+TEST(CustomaryVoids, AlwaysWhereNoTerrainLiesSoDeep)
+{
+    for (const double value : {-32768.0, -32767.0, -99999.0, -3.4e38})
+        for (const std::optional<double> declared : {std::optional<double>(), std::optional(7.0)})
+        {
+            MemoryRaster raster;
+            raster.values = {1, value, 3, 4, value + 1, 7};
+            raster.noData = declared;
+            const bool lone = value < -1e6; // float has no value + 1 beside it
+            const DemFile file = expectHeights(
+                raster, {1, missing, 3, 4, lone || value == -32768.0 ? missing : value + 1,
+                         declared ? missing : 7});
+            EXPECT_EQ(file.notes.empty(), false);
+        }
+    // Half metres, as of planets: deeper than any basin.
+    MemoryRaster raster;
+    raster.type = GDT_Int16;
+    raster.scale = 0.5;
+    raster.values = {100, -32768, 300, -32700, 500, 600};
+    expectHeights(raster, {50, missing, 150, -16350, 250, 300});
+}
+
+TEST(CustomaryVoids, OthersWhereNothingElseIsNear)
+{
+    MemoryRaster raster;
+    raster.type = GDT_Int32;
+    raster.values = {200, -9999, 300, -9999, 500, 600};
+    DemFile file = expectHeights(raster, {200, missing, 300, missing, 500, 600});
+    EXPECT_NE(noteWith(file, "2 posts of -9999").find("taken as void"), std::string::npos);
+
+    raster.values = {-8000, -9999, -9001, -10400, -9999, -9500}; // a trench
+    file = expectHeights(raster, raster.values);
+    EXPECT_NE(noteWith(file, "2 posts of -9999").find("taken as heights"), std::string::npos);
+
+    raster.scale = 0.01; // centimetres of a shore
+    raster.values = {-32000, -32768, -33500, -32767, -99999, 600};
+    file = expectHeights(raster, {-320, -327.68, -335, -327.67, missing, 6});
+    EXPECT_NE(noteWith(file, "1 post of -32768").find("taken as heights"), std::string::npos);
+    EXPECT_NE(noteWith(file, "1 post of -99999").find("taken as void"), std::string::npos);
+
+    raster.scale = 0.1;
+    raster.values = {10, -32768, -32767, 20, -9999, 30}; // none of them speaks for another
+    expectHeights(raster, {1, missing, missing, 2, missing, 3});
+
+    raster = MemoryRaster();
+    raster.unit = "ft"; // 9987 m
+    raster.values = {-30000, -32768, -32600, -31000, -30500, -30400};
+    expectHeights(raster, {-30000 * foot, -32768 * foot, -32600 * foot});
+    raster.noData = -32768; // declared, so no custom is asked
+    file = expectHeights(raster, {-30000 * foot, missing, -32600 * foot});
+    EXPECT_TRUE(file.notes.empty());
+}
