@@ -2,7 +2,7 @@
 
 #include "Console.h"
 
-#include "io/LightParameters.h"
+#include "core/SettingsTable.h"
 
 namespace osgTerrainLight::tool
 {
@@ -34,9 +34,9 @@ void addAreaLights(Metadata& metadata, const SkyLight& sky)
     else if (sky.skyEnabled && sky.skyModel == SkyModel::Clear)
         add(metadata, "TURBIDITY", text(sky.turbidity));
     if (sky.skyEnabled && !sky.skyHarmonics.empty())
-        add(metadata, "SKY_HARMONICS", textOf(sky.skyHarmonics));
+        add(metadata, "SKY_HARMONICS", findSetting<SkyLight>("sky-harmonics")->textOf(sky));
     if (!sky.keyLights.empty())
-        add(metadata, "KEY_LIGHTS", textOf(sky.keyLights));
+        add(metadata, "KEY_LIGHTS", findSetting<SkyLight>("key-lights")->textOf(sky));
 }
 
 } // namespace osgTerrainLight::tool

@@ -331,7 +331,7 @@ void addAreaLights(CLI::App& app, SkyLight& sky)
                sky.keyLights.clear();
                for (const std::string& text : given)
                {
-                   const Result<KeyLight> key = parseKeyLight(text);
+                   const Result<KeyLight> key = readKeyLight(text);
                    if (!key)
                        throw CLI::ValidationError("--key-light", key.error().message);
                    sky.keyLights.push_back(*key);

@@ -94,8 +94,9 @@ std::string readerOptions(const CLI::App& app, const Options& options)
     add("--gloss-transfer", "gloss_transfer", toString(options.settings.glossTransfer));
     add("--exposure", "exposure", text(options.settings.exposure));
     add("--light", "light", options.light);
-    add("--key-light", "key_lights", textOf(options.sky.keyLights));
-    add("--sky-harmonics", "sky_harmonics", textOf(options.sky.skyHarmonics));
+    add("--key-light", "key_lights", findSetting<SkyLight>("key-lights")->textOf(options.sky));
+    add("--sky-harmonics", "sky_harmonics",
+        findSetting<SkyLight>("sky-harmonics")->textOf(options.sky));
     add("--cell-size", "cell_size", text(options.cellSize));
     return result;
 }

@@ -106,6 +106,12 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
                                        const SkyLight& sky);
 };
 
+OSGTERRAINLIGHT_EXPORT bool operator==(const LightingSettings& a, const LightingSettings& b);
+inline bool operator!=(const LightingSettings& a, const LightingSettings& b)
+{
+    return !(a == b);
+}
+
 /// Settings chosen by measurement.
 ///
 /// Error is the root mean square, over posts, of the difference in luminance between the shading
@@ -125,7 +131,7 @@ struct OSGTERRAINLIGHT_EXPORT SettingsChoice
     std::string failure;
 };
 
-/// One numeric parameter's name, unit and legal range: the table that parser, setters and
+/// One numeric parameter's name, unit and legal range, from the table that parser, setters and
 /// documentation share.
 struct OSGTERRAINLIGHT_EXPORT ParameterRange
 {
@@ -135,11 +141,8 @@ struct OSGTERRAINLIGHT_EXPORT ParameterRange
     double maximum = 0.0;
     std::string meaning;
 
-    /// Names accepted: azimuths, bounces, subsampling, bounce-interval, albedo, gloss,
-    /// gloss-exponent,
-    /// exposure, sun-azimuth, sun-elevation, sun-radius, sun-irradiance,
-    /// max-error, max-ms, sky-radiance, turbidity, sky-heading, sky-gain,
-    /// body-radius. Null where there is no such parameter.
+    /// By the name that docs/TOOL.md has after "--", such as "sun-elevation"; all() has every name.
+    /// Null where there is no such parameter.
     static const ParameterRange* find(const std::string& name);
     static const std::vector<ParameterRange>& all();
 
@@ -147,5 +150,27 @@ struct OSGTERRAINLIGHT_EXPORT ParameterRange
     /// range.
     std::string complaint(double value) const;
 };
+
+/// Something wrong with settings and light.
+struct SettingsProblem
+{
+    std::string sentence;
+    /// True: they are refused. False: they are taken, and do not do all that they seem to ask for.
+    bool refused = true;
+};
+
+/// What settings are meant for.
+enum class SettingsUse
+{
+    Lighting,
+    Choice ///< other settings are chosen from them by a budget: forMaxError(), forFrameTime()
+};
+
+/// All that is wrong with settings and light, each by itself and together: values beyond their
+/// range, and combinations that are refused or without effect. Empty where nothing is. The tool,
+/// maps and TerrainLighting's setters say the same.
+OSGTERRAINLIGHT_EXPORT std::vector<SettingsProblem>
+problems(const LightingSettings& settings, const SkyLight& sky,
+         SettingsUse use = SettingsUse::Lighting);
 
 } // namespace osgTerrainLight

@@ -29,6 +29,12 @@ struct OSGTERRAINLIGHT_EXPORT KeyLight
     Rgb radiance = {1.0f, 1.0f, 1.0f};
 };
 
+OSGTERRAINLIGHT_EXPORT bool operator==(const KeyLight& a, const KeyLight& b);
+inline bool operator!=(const KeyLight& a, const KeyLight& b)
+{
+    return !(a == b);
+}
+
 /// How a sky without environment and harmonics is spread over the directions.
 enum class SkyModel
 {
@@ -60,7 +66,7 @@ struct OSGTERRAINLIGHT_EXPORT SkyLight
     /// Where not null: the sky's radiance, instead of model and harmonics. setEnvironment() sets
     /// the sun with it.
     std::shared_ptr<const Environment> environment;
-    /// Degrees by which the environment is turned clockwise, seen from above; any finite value.
+    /// Degrees by which the environment is turned clockwise, seen from above, −360 … 720.
     double environmentHeading = 0.0;
     /// What its radiance is multiplied by, ≥ 0.
     double environmentGain = 1.0;
@@ -96,5 +102,12 @@ struct OSGTERRAINLIGHT_EXPORT SkyLight
     void setEnvironment(std::shared_ptr<const Environment> from, double heading = 0.0,
                         double gain = 1.0);
 };
+
+/// Environments are the same where they are one object.
+OSGTERRAINLIGHT_EXPORT bool operator==(const SkyLight& a, const SkyLight& b);
+inline bool operator!=(const SkyLight& a, const SkyLight& b)
+{
+    return !(a == b);
+}
 
 } // namespace osgTerrainLight

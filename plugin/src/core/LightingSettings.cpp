@@ -1,102 +1,86 @@
 #include <osgTerrainLight/LightingSettings.h>
 
-#include "core/AzimuthSet.h"
+#include "core/EnumNames.h"
+#include "core/SettingsTable.h"
+#include "core/SkyRadiance.h"
 
-#include <cmath>
-#include <sstream>
+#include <algorithm>
 
 namespace osgTerrainLight
 {
 
 const char* toString(HorizonQuality quality)
 {
-    switch (quality)
-    {
-    case HorizonQuality::Draft:
-        return "draft";
-    case HorizonQuality::Best:
-        return "best";
-    default:
-        return "normal";
-    }
+    return nameOf(quality);
 }
 
 bool fromString(const std::string& text, HorizonQuality& quality)
 {
-    for (HorizonQuality q : {HorizonQuality::Draft, HorizonQuality::Normal, HorizonQuality::Best})
-        if (text == toString(q))
-        {
-            quality = q;
-            return true;
-        }
-    return false;
+    return readName(text, quality);
 }
 
 const char* toString(BounceMethod method)
 {
-    switch (method)
-    {
-    case BounceMethod::Legendre:
-        return "legendre";
-    case BounceMethod::LegendreBSpline:
-        return "legendre-bspline";
-    default:
-        return "slices";
-    }
+    return nameOf(method);
 }
 
 bool fromString(const std::string& text, BounceMethod& method)
 {
-    for (BounceMethod m :
-         {BounceMethod::Slices, BounceMethod::Legendre, BounceMethod::LegendreBSpline})
-        if (text == toString(m))
-        {
-            method = m;
-            return true;
-        }
-    return false;
+    return readName(text, method);
 }
 
 const char* toString(GlossTransfer transfer)
 {
-    return transfer == GlossTransfer::Scalar ? "scalar" : "vector";
+    return nameOf(transfer);
 }
 
 bool fromString(const std::string& text, GlossTransfer& transfer)
 {
-    for (GlossTransfer t : {GlossTransfer::Vector, GlossTransfer::Scalar})
-        if (text == toString(t))
-        {
-            transfer = t;
-            return true;
-        }
-    return false;
+    return readName(text, transfer);
 }
+
+namespace
+{
+ParameterRange rangeOf(const SettingRow& row)
+{
+    return {row.name, row.form.unit, row.form.minimum, row.form.maximum, row.meaning};
+}
+
+bool isNumber(const SettingRow& row)
+{
+    return row.form.count > 0 && row.form.kind != ValueForm::Kind::Name;
+}
+
+/// The row of a number's name: of settings, light or a budget. Null where there is none.
+const SettingRow* numberRow(const std::string& name)
+{
+    const SettingRow* found = findSetting<LightingSettings>(name);
+    if (!found)
+        found = findSetting<SkyLight>(name);
+    for (const SettingRow& row : budgetRows())
+        if (row.name == name)
+            found = &row;
+    return found && isNumber(*found) ? found : nullptr;
+}
+} // namespace
 
 const std::vector<ParameterRange>& ParameterRange::all()
 {
-    static const std::vector<ParameterRange> table = {
-        {"azimuths", "", 4, 256, "azimuths of the horizon map, a multiple of 4"},
-        {"bounces", "", 0, 8, "diffuse bounces of light from terrain to terrain"},
-        {"subsampling", "", 1, 4, "posts from one that gathers bounces to the next: 1, 2 or 4"},
-        {"bounce-interval", "", 1, 16,
-         "updates of light alone from one with new bounces to the next"},
-        {"albedo", "", 0, 1, "part of the light that the ground reflects, per channel"},
-        {"gloss", "", 0, 1, "part of the light that the ground mirrors"},
-        {"gloss-exponent", "", 1, 64, "how sharply it mirrors: exponent of the Phong lobe"},
-        {"exposure", "stops", -20, 20, "brightness of the displayed picture"},
-        {"sun-azimuth", "degrees", -360, 720, "clockwise from north"},
-        {"sun-elevation", "degrees", -90, 90, "above the horizontal"},
-        {"sun-radius", "degrees", 0.01, 10, "angular radius of the sun's disc"},
-        {"sun-irradiance", "", 0, 1e6, "on a surface that faces the sun, per channel"},
-        {"turbidity", "", 2, 10, "of a clear sky's air: 2 clear ... 10 haze"},
-        {"sky-heading", "degrees", -360, 720, "by which a sky from a file is turned clockwise"},
-        {"sky-gain", "", 0, 1e6, "what the radiance of a sky from a file is multiplied by"},
-        {"body-radius", "m", 0, 1e12, "of the planet, below whose horizon terrain sinks; 0: flat"},
-        {"max-error", "", 1e-5, 1, "greatest relative error of the shading, root mean square"},
-        {"max-ms", "ms", 0.01, 1e6, "longest time for the light of the whole tile"},
-        {"sky-radiance", "", 0, 1e6, "of the uniform sky, per channel"},
-    };
+    static const std::vector<ParameterRange> table = []
+    {
+        std::vector<ParameterRange> ranges;
+        const auto add = [&](const SettingRow& row)
+        {
+            if (isNumber(row))
+                ranges.push_back(rangeOf(row));
+        };
+        const auto& settings = settingsOf<LightingSettings>();
+        const auto& sky = settingsOf<SkyLight>();
+        std::for_each(settings.begin(), settings.end(), add);
+        std::for_each(sky.begin(), sky.end(), add);
+        std::for_each(budgetRows().begin(), budgetRows().end(), add);
+        return ranges;
+    }();
     return table;
 }
 
@@ -110,26 +94,38 @@ const ParameterRange* ParameterRange::find(const std::string& name)
 
 std::string ParameterRange::complaint(double value) const
 {
-    bool inRange = value >= minimum && value <= maximum; // false for NaN
-    if (name == "body-radius") // none smaller is a planet, and terrain on it no tile
-        inRange = inRange && (value == 0.0 || value >= 1e3);
-    const bool isCount = name == "azimuths";
-    const bool isPower = name == "subsampling";
-    const bool isWhole = isCount || isPower || name == "bounces" || name == "bounce-interval";
-    if (inRange && (!isWhole || value == std::floor(value)) && (!isPower || value != 3.0) &&
-        (!isCount || AzimuthSet::isValidCount(static_cast<int>(value))))
-        return {};
-    std::ostringstream text;
-    text << name << " = " << value << (unit.empty() ? "" : " ") << unit << ": needs "
-         << (isCount   ? "a multiple of 4, "
-             : isPower ? "a power of 2, "
-             : isWhole ? "a whole number, "
-                       : "")
-         << (name == "body-radius" ? "0, or 1000" : "");
-    if (name != "body-radius")
-        text << minimum;
-    text << " ... " << maximum;
-    return text.str();
+    const SettingRow* row = numberRow(name);
+    return row ? row->complaint(value) : "";
+}
+
+std::vector<SettingsProblem> problems(const LightingSettings& settings, const SkyLight& sky,
+                                      SettingsUse use)
+{
+    std::vector<SettingsProblem> found;
+    for (const std::string& wrong : {complaint(settings), complaint(sky)})
+        if (!wrong.empty())
+            found.push_back({wrong, true});
+    const bool slices = settings.bounceMethod == BounceMethod::Slices;
+    if (settings.gloss > 0.0 && !slices)
+        found.push_back({std::string("gloss has no effect with bounce method ") +
+                             toString(settings.bounceMethod) + ": needs slices",
+                         false});
+    const float albedo = *std::max_element(settings.albedo.begin(), settings.albedo.end());
+    if (settings.bounces > 0 && static_cast<double>(albedo) + settings.gloss > 1.0)
+        found.push_back(
+            {"albedo + gloss = " +
+                 numberText(static_cast<float>(static_cast<double>(albedo) + settings.gloss)) +
+                 ": ground that sends more light than it receives; needs at most 1",
+             false});
+    if (use == SettingsUse::Choice && !slices)
+        found.push_back({std::string("settings can be chosen for bounce method slices only, not ") +
+                             toString(settings.bounceMethod),
+                         true});
+    if (use == SettingsUse::Choice && (skyHasTable(sky) || !sky.keyLights.empty()))
+        found.push_back({"settings can be chosen for a uniform sky and a sun only: needs neither "
+                         "another sky nor key lights",
+                         true});
+    return found;
 }
 
 } // namespace osgTerrainLight

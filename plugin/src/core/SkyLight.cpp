@@ -1,6 +1,7 @@
 #include <osgTerrainLight/SkyLight.h>
 
 #include "core/AzimuthSet.h"
+#include "core/EnumNames.h"
 #include <osgTerrainLight/Environment.h>
 
 #include <cmath>
@@ -9,26 +10,14 @@
 namespace osgTerrainLight
 {
 
-namespace
-{
-constexpr std::array<std::pair<SkyModel, const char*>, 3> modelNames = {
-    {{SkyModel::Uniform, "uniform"}, {SkyModel::Overcast, "overcast"}, {SkyModel::Clear, "clear"}}};
-}
-
 const char* toString(SkyModel model)
 {
-    return modelNames[static_cast<std::size_t>(model)].second;
+    return nameOf(model);
 }
 
 bool fromString(const std::string& text, SkyModel& model)
 {
-    for (const auto& [value, name] : modelNames)
-        if (text == name)
-        {
-            model = value;
-            return true;
-        }
-    return false;
+    return readName(text, model);
 }
 
 void SkyLight::setEnvironment(std::shared_ptr<const Environment> from, double heading, double gain)

@@ -1,11 +1,14 @@
 #pragma once
 
+#include "core/KeyLightText.h"
 #include "core/Result.h"
+#include "core/SettingsTable.h"
 #include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/LightingSettings.h>
 #include <osgTerrainLight/SkyLight.h>
 #include <osgTerrainLight/SunPosition.h>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,35 +29,29 @@ struct LightParameters
     std::optional<EarthPlace> place; ///< else the terrain's own
 };
 
-/// Names, for messages and documentation: those of ParameterRange with '_' for '-', then
-/// "quality" (draft, normal, best), "bounce_method", "gloss_transfer", "light" (off, sky, sun,
-/// both), "sky" (uniform, overcast, clear, none or an environment's file), "sky_harmonics",
-/// "key_lights", "time" (as readUtcTime) and "place" (as readEarthPlace).
-OSGTERRAINLIGHT_EXPORT std::vector<std::string> lightParameterNames();
+/// A key of <terrain_light>, and a reader option: a row of the table of settings, or one of what a
+/// scene has besides.
+struct LightKey : SettingRow
+{
+    std::function<Status(LightParameters&, const std::string& value)> read;
+    /// Takes this key's value from another light.
+    std::function<void(LightParameters& to, const LightParameters& from)> copy;
+    std::string defaultText;
+};
 
-/// Sets one parameter. Colours are one number or three, separated by blanks or commas.
-/// sky_harmonics: 1, 4, 9 or 16 coefficients, each one number or each three; nothing: a uniform
-/// sky. key_lights: as parseKeyLight has each, separated by semicolons; they take the place of all
-/// before. The error names the parameter, the value and what it needs; the parameters are then
-/// unchanged.
+/// All keys, those of the table first. "light", "sky", "time" and "place" follow.
+OSGTERRAINLIGHT_EXPORT const std::vector<LightKey>& lightKeys();
+/// By a row's name or by its key. Null where there is none.
+OSGTERRAINLIGHT_EXPORT const LightKey* findLightKey(const std::string& name);
+
+/// Sets one parameter by its key. Of keys that contradict each other the later one holds:
+/// sun_azimuth and time, sky and sky_harmonics. The error names the parameter, the value and what
+/// it needs; the parameters are then unchanged.
 OSGTERRAINLIGHT_EXPORT Status setLightParameter(LightParameters& parameters,
                                                 const std::string& name, const std::string& value);
 
-/// "azimuth, width, lowest, highest[, radiance]": four numbers, or five, or seven where radiance is
-/// a colour.
-OSGTERRAINLIGHT_EXPORT Result<KeyLight> parseKeyLight(const std::string& text);
-
-/// Sets one number or colour of a key light by its name: azimuth, width, lowest, highest, radiance.
+/// Sets one number or colour of a key light by its name.
 OSGTERRAINLIGHT_EXPORT Status setKeyLight(KeyLight& key, const std::string& name,
                                           const std::string& value);
-
-/// What key_lights and sky_harmonics take: with commas and semicolons, without blanks.
-OSGTERRAINLIGHT_EXPORT std::string textOf(const std::vector<KeyLight>& keys);
-OSGTERRAINLIGHT_EXPORT std::string textOf(const std::vector<Rgb>& harmonics);
-
-/// Empty where every value is legal; else a sentence that names the first that is not.
-OSGTERRAINLIGHT_EXPORT std::string complaint(const KeyLight& key);
-OSGTERRAINLIGHT_EXPORT std::string complaint(const SkyLight& sky);
-OSGTERRAINLIGHT_EXPORT std::string complaint(const LightingSettings& settings);
 
 } // namespace osgTerrainLight

@@ -82,25 +82,8 @@ public:
     {
         supportsExtension("terrainlight", "lights what the name before it is: DEM, scene or map");
         supportsExtension("earth", "map of GDAL layers, lit");
-        for (const std::string& name : lightParameterNames())
-        {
-            const ParameterRange* range = nullptr;
-            std::string dashed = name;
-            for (char& c : dashed)
-                c = c == '_' ? '-' : c;
-            range = ParameterRange::find(dashed);
-            supportsOption(name + "=VALUE",
-                           range                      ? range->meaning
-                           : name == "light"          ? "off, sky, sun or both"
-                           : name == "bounce_method"  ? "slices, legendre or legendre-bspline"
-                           : name == "gloss_transfer" ? "vector or scalar"
-                           : name == "sky"            ? "uniform, overcast, clear, none or a file"
-                           : name == "sky_harmonics"  ? "of the sky, 1, 4, 9 or 16 coefficients"
-                           : name == "time"  ? "of the sun: YYYY-MM-DDThh:mm[:ss], UTC or +hh:mm"
-                           : name == "place" ? "LONGITUDE,LATITUDE of the sun's time"
-                           : name == "key_lights" ? "AZIMUTH,WIDTH,LOWEST,HIGHEST,R,G,B;..."
-                                                  : "draft, normal or best");
-        }
+        for (const LightKey& key : lightKeys())
+            supportsOption(key.key() + "=VALUE", key.meaning + " Needs " + key.needs() + ".");
         supportsOption("cell_size=METRES", "between posts of a raster without geotransform");
     }
 

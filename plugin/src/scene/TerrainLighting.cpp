@@ -3,9 +3,9 @@
 #include <osgTerrainLight/DynamicTerrain.h>
 #include <osgTerrainLight/LightProbe.h>
 
+#include "core/SettingsTable.h"
 #include "core/SkyRadiance.h"
 #include "gpu/ShaderLibrary.h"
-#include "io/LightParameters.h"
 #include "scene/DisplacedProgram.h"
 #include "scene/ShadingBinding.h"
 #include "scene/TerrainTileReader.h"
@@ -29,26 +29,6 @@ namespace osgTerrainLight
 
 namespace
 {
-bool same(const KeyLight& a, const KeyLight& b)
-{
-    return a.azimuth == b.azimuth && a.width == b.width && a.lowest == b.lowest &&
-           a.highest == b.highest && a.radiance == b.radiance;
-}
-
-bool same(const SkyLight& a, const SkyLight& b)
-{
-    return a.skyEnabled == b.skyEnabled && a.skyRadiance == b.skyRadiance &&
-           a.skyModel == b.skyModel && a.turbidity == b.turbidity &&
-           a.environment == b.environment && a.environmentHeading == b.environmentHeading &&
-           a.environmentGain == b.environmentGain && a.sunEnabled == b.sunEnabled &&
-           a.sunAzimuth == b.sunAzimuth && a.sunElevation == b.sunElevation &&
-           a.sunIrradiance == b.sunIrradiance && a.sunAngularRadius == b.sunAngularRadius &&
-           a.skyHarmonics == b.skyHarmonics &&
-           std::equal(a.keyLights.begin(), a.keyLights.end(), b.keyLights.begin(),
-                      b.keyLights.end(),
-                      [](const KeyLight& x, const KeyLight& y) { return same(x, y); });
-}
-
 void warn(const std::string& sentence)
 {
     OSG_WARN << "osgTerrainLight: " << sentence << std::endl;
@@ -742,7 +722,7 @@ void TerrainLighting::setSkyLight(const SkyLight& sky)
     const std::string problem = complaint(sky);
     if (!problem.empty())
         warn("sky light not set: " + problem);
-    if (!problem.empty() || same(sky, _sky))
+    if (!problem.empty() || sky == _sky)
         return;
     if (sky.sunAzimuth != _sky.sunAzimuth || sky.sunElevation != _sky.sunElevation)
         _time.reset();
