@@ -89,9 +89,61 @@ TEST(EarthFiles, SettingsAndLayersInEitherManner)
     EXPECT_EQ(map->light.sky.skyRadiance, (Rgb{1.0f, 2.0f, 3.0f}));
     EXPECT_EQ(map->light.settings.quality, HorizonQuality::Best);
     EXPECT_FALSE(map->light.sky.sunEnabled);
+    ASSERT_EQ(map->warnings.size(), 1u);
+    EXPECT_EQ(map->warnings[0],
+              "m.earth: left out: <image driver=\"tms\" name=\"web\"> (line 5: of "
+              "a kind that is not known here)");
     ASSERT_EQ(map->notes.size(), 1u);
-    EXPECT_EQ(map->notes[0], "m.earth: skipped, as this reader does not know it: "
-                             "<image driver=\"tms\"> (line 5), <options> (line 8)");
+    EXPECT_EQ(map->notes[0],
+              "m.earth: skipped: <image driver=\"gdal\" name=\"off\"> (line 4: enabled is false), "
+              "<options> (line 8: of a kind that is not known here)");
+}
+
+// osgEarth lower-cases names (XmlUtils.cpp) and reads a flag as no where it is false, no or off in
+// any case (StringUtils.h); whatever else stands there leaves the layer in.
+TEST(EarthFiles, NamesInAnyCaseAndFlagsAsOsgEarthReadsThem)
+{
+    const std::pair<const char*, bool> layers[] = {
+        {"<GDALElevation url='a.tif'/>", true},
+        {"<gdalElevation URL='a.tif'/>", true},
+        {"<GDALELEVATION><Url>a.tif</Url></GDALELEVATION>", true},
+        {"<Elevation Driver='Gdal' url='a.tif'/>", true},
+        {"<HeightField driver='gdal' url='a.tif'/>", true},
+        {"<GDALElevation url='a.tif' open='yes'/>", true},
+        {"<GDALElevation url='a.tif' visible='1'/>", true},
+        {"<GDALElevation url='a.tif' enabled='perhaps'/>", true},
+        {"<GDALElevation url='a.tif' open=''/>", true},
+        {"<GDALElevation url='a.tif' Visible='False'/>", false},
+        {"<GDALElevation url='a.tif' enabled='off'/>", false},
+        {"<GDALElevation url='a.tif' open='NO'/>", false},
+        {"<GDALElevation url='a.tif'><Enabled>\n false </Enabled></GDALElevation>", false},
+        {"<GDALElevation url='a.tif' open='true' visible='no'/>", false},
+        {"<GDALElevation url=' '/>", false},
+        {"<GDALElevation><connection>x</connection></GDALElevation>", false},
+    };
+    for (const auto& [layer, counts] : layers)
+    {
+        const Result<EarthMap> map =
+            parseEarth(std::string("<MAP><GDALImage url='b.tif'/>") + layer + "</MAP>", "m.earth");
+        ASSERT_TRUE(map) << layer << ": " << map.error().message;
+        EXPECT_EQ(map->elevations.size(), counts ? 1u : 0u) << layer;
+        EXPECT_EQ(map->notes.size() + map->warnings.size(), counts ? 0u : 1u) << layer;
+        for (const EarthLayer& elevation : map->elevations)
+            EXPECT_EQ(elevation.url, "a.tif") << layer;
+    }
+}
+
+TEST(EarthFiles, LightInAnyCase)
+{
+    const Result<EarthMap> map = parseEarth(
+        "<map><GDALImage url='b.tif'/><Terrain_Light SUN_AZIMUTH='10'><Key_Light Azimuth='90' "
+        "width='10' LOWEST='0' highest='20'/><Quality>best</Quality></Terrain_Light></map>",
+        "m.earth");
+    ASSERT_TRUE(map) << map.error().message;
+    EXPECT_EQ(map->light.sky.sunAzimuth, 10.0);
+    EXPECT_EQ(map->light.settings.quality, HorizonQuality::Best);
+    ASSERT_EQ(map->light.sky.keyLights.size(), 1u);
+    EXPECT_EQ(map->light.sky.keyLights[0].azimuth, 90.0);
 }
 
 TEST(EarthFiles, AnImageWithoutElevationIsLevel)

@@ -1,8 +1,9 @@
-// Damaged OpenEXR files through the readers and on to an environment: whatever comes in, what comes
-// out is an error that names the file, or light. Plain mutation of files of every layout, no
-// guidance by coverage, so that any compiler will do; meant for the build with sanitizers.
-// Usage: environment_fuzz [--seed N] [--runs N | --seconds N] [--keep FOLDER]
-// The file at hand is FOLDER/input.exr, so it is there after a crash.
+// Damaged OpenEXR and Radiance files through the readers and on to an environment: whatever comes
+// in, what comes out is an error that names the file, or light. Plain mutation of files of every
+// layout, no guidance by coverage, so that any compiler will do; meant for the build with
+// sanitizers. Usage: environment_fuzz [--seed N] [--runs N | --seconds N] [--keep FOLDER] The file
+// at hand is FOLDER/input.exr, so it is there after a crash.
+#include "Mutation.h"
 #include "io/EnvironmentFile.h"
 #include "io/ExrFile.h"
 
@@ -16,16 +17,9 @@
 #include <ImfStandardAttributes.h>
 #include <ImfTiledOutputFile.h>
 
-#include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
-#include <cstring>
-#include <filesystem>
 #include <fstream>
-#include <iostream>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -33,16 +27,32 @@ using namespace osgTerrainLight;
 
 namespace
 {
-namespace fs = std::filesystem;
-using Random = std::mt19937_64;
 
 /// Small, so that headers are a good part of a file, and light from a mutant is light again.
 constexpr std::size_t maxPixels = 1 << 16;
 
-std::string bytesOf(const std::string& path)
+/// Pictures of Radiance in each coding, with every variable that is read.
+std::vector<std::string> radiancePictures()
 {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
+    const std::string head = "#?RADIANCE\n";
+    const std::string pixel = "\x80\x40\x20\x82", other = "\x10\xff\x01\x8f";
+    std::string flat, old, coded;
+    for (int row = 0; row < 8; ++row)
+    {
+        for (int i = 0; i < 8; ++i)
+            flat += pixel + other;
+        old += pixel + other + "\x01\x01\x01\x0e";
+        coded += std::string("\x02\x02\x00\x10", 4);
+        for (std::size_t c = 0; c < 4; ++c)
+            coded += std::string("\x8e") + pixel[c] + "\x02" + other[c] + pixel[c];
+    }
+    return {head + "FORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n" + flat,
+            head + "FORMAT=32-bit_rle_rgbe\nEXPOSURE=0.5\nCOLORCORR= 1 2 3\n\n+X 16 -Y 8\n" + flat,
+            head + "FORMAT=32-bit_rle_xyze\nEXPOSURE=1e-3\n\n+Y 8 -X 16\n" + old,
+            head +
+                "PRIMARIES=.708 .292 .17 .797 .131 .046 .3127 .329\nVIEW= -vtv\nPIXASPECT=1\n\n"
+                "-Y 8 +X 16\n" +
+                coded};
 }
 
 /// Files of each layout and compression.
@@ -102,62 +112,9 @@ std::vector<std::string> seeds(const std::string& path)
         file.writePixels(16);
     }
     found.push_back(bytesOf(path));
+    for (const std::string& picture : radiancePictures())
+        found.push_back(picture);
     return found;
-}
-
-/// One to eight changes: of bits and bytes, of 32-bit integers, of blocks, of the length.
-std::string mutated(std::string bytes, const std::string& other, Random& random)
-{
-    const auto below = [&](std::size_t n) { return n == 0 ? 0 : random() % n; };
-    constexpr std::uint32_t odd[] = {0u,          1u,          2u,      0xffffffffu,
-                                     0x7fffffffu, 0x80000000u, 0xffffu, 0x7fc00000u,
-                                     0x7f800000u, 16u,         100000u};
-    for (std::size_t change = 1 + below(8); change > 0; --change)
-    {
-        // Half of them in the header.
-        const std::size_t reach =
-            random() % 2 ? std::min<std::size_t>(bytes.size(), 400) : bytes.size();
-        const std::size_t place = below(reach);
-        const std::size_t length = std::min(1 + below(16), bytes.size() - place);
-        if (bytes.empty())
-            return bytes;
-        switch (random() % 8)
-        {
-        case 0:
-            bytes[place] = static_cast<char>(bytes[place] ^ (1 << random() % 8));
-            break;
-        case 1:
-            bytes[place] = static_cast<char>(random());
-            break;
-        case 2:
-        case 3:
-            if (place + 4 <= bytes.size())
-                std::memcpy(&bytes[place], &odd[below(std::size(odd))], 4);
-            break;
-        case 4:
-            bytes.erase(place, length);
-            break;
-        case 5:
-            bytes.insert(place, bytes.substr(below(bytes.size()), length));
-            break;
-        case 6:
-            if (!other.empty())
-                bytes.replace(place, length, other.substr(below(other.size()), length));
-            break;
-        default:
-            if (random() % 4 == 0)
-                bytes.resize(place);
-        }
-    }
-    return bytes;
-}
-
-void require(bool holds, const char* what)
-{
-    if (holds)
-        return;
-    std::cerr << "environment_fuzz: " << what << '\n';
-    std::abort();
 }
 
 /// Whether there was light.
@@ -196,58 +153,12 @@ bool tryFile(const std::string& path)
 
 int main(int count, char** arguments)
 {
-    std::uint64_t seed = 1, runs = 0;
-    double seconds = 10.0;
-    fs::path folder = fs::temp_directory_path() / "environment_fuzz";
-    for (int i = 1; i + 1 < count; i += 2)
-    {
-        const std::string name = arguments[i];
-        if (name == "--seed")
-            seed = std::strtoull(arguments[i + 1], nullptr, 10);
-        else if (name == "--runs")
-            runs = std::strtoull(arguments[i + 1], nullptr, 10);
-        else if (name == "--seconds")
-            seconds = std::atof(arguments[i + 1]);
-        else if (name == "--keep")
-            folder = arguments[i + 1];
-        else
-        {
-            std::cerr << name << ": needed --seed, --runs, --seconds or --keep\n";
-            return 2;
-        }
-    }
-    fs::create_directories(folder);
-    const std::string path = (folder / "input.exr").string();
-    std::vector<std::string> files = seeds(path);
-    const std::size_t first = files.size();
-    for (const std::string& file : files)
-    {
-        std::ofstream(path, std::ios::binary) << file;
-        require(tryFile(path), "a whole file gives no light");
-    }
-    Random random(seed);
-    std::uint64_t run = 0, lit = 0;
-    const auto start = std::chrono::steady_clock::now();
-    const auto elapsed = [&]
-    { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
-    for (; runs > 0 ? run < runs : elapsed() < seconds; ++run)
-    {
-        const std::string mutant =
-            mutated(files[random() % files.size()], files[random() % files.size()], random);
-        std::ofstream(path, std::ios::binary) << mutant;
-        if (!tryFile(path))
-            continue;
-        ++lit;
-        // What was damaged and passed is damaged further.
-        if (mutant.size() < 8192)
-        {
-            if (files.size() < first + 200)
-                files.push_back(mutant);
-            else
-                files[first + random() % 200] = mutant;
-        }
-    }
-    std::cout << "environment_fuzz: seed " << seed << ", " << run << " files, " << lit
-              << " gave light, " << elapsed() << " s, clean\n";
-    return 0;
+    const FuzzOptions options(count, arguments, "environment_fuzz");
+    const std::string path = options.file("input.exr");
+    return fuzz(options, seeds(path),
+                [&](const std::string& bytes)
+                {
+                    std::ofstream(path, std::ios::binary) << bytes;
+                    return tryFile(path);
+                });
 }

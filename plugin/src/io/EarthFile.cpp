@@ -26,11 +26,11 @@ public:
             return error(lineAt(static_cast<std::size_t>(parsed.offset)),
                          std::string("is no well-formed XML: ") + parsed.description());
         const pugi::xml_node root = document.document_element();
-        if (std::string(root.name()) != "map" && std::string(root.name()) != "earth")
+        if (lower(root.name()) != "map" && lower(root.name()) != "earth")
             return error(lineOf(root), std::string("the outermost element is <") + root.name() +
                                            ">; needs <map>");
 
-        _map.name = root.attribute("name").value();
+        _map.name = valueOf(root, "name");
         for (const pugi::xml_node& element : root.children())
         {
             if (element.type() != pugi::node_element)
@@ -39,12 +39,15 @@ public:
             if (!read)
                 return read.error();
         }
-        if (_map.elevations.empty() && _map.images.empty() && _skipped.empty())
-            return error(lineOf(root), "holds no layer; needs <elevation driver=\"gdal\"> or "
-                                       "<image driver=\"gdal\">");
+        if (_map.elevations.empty() && _map.images.empty())
+            return error(lineOf(root), "holds no layer that can be drawn" +
+                                           (_leftOut.empty() ? "" : ", left out: " + _leftOut) +
+                                           "; needs <elevation driver=\"gdal\"> or "
+                                           "<image driver=\"gdal\"> with a url");
+        if (!_missed.empty())
+            _map.warnings.push_back(_source + ": left out: " + _missed);
         if (!_skipped.empty())
-            _map.notes.push_back(_source +
-                                 ": skipped, as this reader does not know it: " + _skipped);
+            _map.notes.push_back(_source + ": skipped: " + _skipped);
         return _map;
     }
 
@@ -70,10 +73,26 @@ private:
     {
         return {ErrorCode::Invalid, _source + ":" + std::to_string(line) + ": " + sentence};
     }
-    void skip(const pugi::xml_node& element, const std::string& what)
+    static void append(std::string& list, const std::string& item)
     {
-        _skipped += (_skipped.empty() ? "" : ", ") + what + " (line " +
-                    std::to_string(lineOf(element)) + ")";
+        list += (list.empty() ? "" : ", ") + item;
+    }
+    /// isMissed: somebody may look for it in the picture.
+    void leaveOut(const pugi::xml_node& element, const std::string& what, const std::string& why,
+                  bool isMissed)
+    {
+        const std::string item =
+            what + " (line " + std::to_string(lineOf(element)) + ": " + why + ")";
+        append(_leftOut, item);
+        append(isMissed ? _missed : _skipped, item);
+    }
+
+    /// osgEarth takes names of elements and keys in any case.
+    static std::string lower(std::string text)
+    {
+        for (char& c : text)
+            c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+        return text;
     }
 
     /// Without blanks at its ends.
@@ -86,35 +105,58 @@ private:
         return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
     }
 
-    /// The value of a key, which osgEarth lets stand as an attribute or as a child.
+    /// The value of a key (lower case), which osgEarth lets stand as an attribute or as a child.
     static std::string valueOf(const pugi::xml_node& element, const char* key)
     {
-        const pugi::xml_attribute attribute = element.attribute(key);
-        return trimmed(attribute ? attribute.value() : element.child(key).text().get());
+        for (const pugi::xml_attribute& attribute : element.attributes())
+            if (lower(attribute.name()) == key)
+                return trimmed(attribute.value());
+        for (const pugi::xml_node& child : element.children())
+            if (lower(child.name()) == key)
+                return trimmed(child.text().get());
+        return {};
+    }
+
+    /// As osgEarth reads a flag: these words, in any case, are no; the rest leaves the layer in.
+    static bool isNo(const std::string& value)
+    {
+        const std::string word = lower(value);
+        return word == "false" || word == "no" || word == "off";
     }
 
     Status readElement(const pugi::xml_node& element)
     {
-        const std::string tag = element.name();
-        const std::string driver = valueOf(element, "driver");
-        const bool elevation = tag == "GDALElevation" ||
-                               ((tag == "elevation" || tag == "heightfield") && driver == "gdal");
-        const bool image = tag == "GDALImage" || (tag == "image" && driver == "gdal");
+        const std::string tag = lower(element.name());
         if (tag == "terrain_light")
             return readLight(element);
+        const std::string driver = valueOf(element, "driver");
+        const bool isGdal = lower(driver) == "gdal";
+        const bool elevation =
+            tag == "gdalelevation" || ((tag == "elevation" || tag == "heightfield") && isGdal);
+        const bool image = tag == "gdalimage" || (tag == "image" && isGdal);
+        const std::string name = valueOf(element, "name");
+        const std::string what = std::string("<") + element.name() +
+                                 (driver.empty() ? "" : " driver=\"" + driver + "\"") +
+                                 (name.empty() ? "" : " name=\"" + name + "\"") + ">";
+        for (const char* key : {"open", "enabled", "visible"})
+            if (isNo(valueOf(element, key)))
+            {
+                leaveOut(element, what, std::string(key) + " is " + valueOf(element, key), false);
+                return Nothing{};
+            }
         if (!elevation && !image)
         {
-            skip(element, "<" + tag + (driver.empty() ? "" : " driver=\"" + driver + "\"") + ">");
+            // osgEarth has dozens of kinds of layers, whose names end so.
+            const auto has = [&](const char* word) { return tag.find(word) != std::string::npos; };
+            leaveOut(element, what, "of a kind that is not known here",
+                     has("image") || has("elevation") || has("heightfield"));
             return Nothing{};
         }
-        for (const char* key : {"enabled", "visible"})
-            if (valueOf(element, key) == "false")
-                return Nothing{};
-        EarthLayer layer{element.attribute("name").value(), valueOf(element, "url"),
-                         lineOf(element)};
+        const EarthLayer layer{name, valueOf(element, "url"), lineOf(element)};
         if (layer.url.empty())
-            return error(layer.line, "<" + tag + "> has no url; needs <url>FILE</url>");
-        (elevation ? _map.elevations : _map.images).push_back(layer);
+            leaveOut(element, what, "has no url", true);
+        else
+            (elevation ? _map.elevations : _map.images).push_back(layer);
         return Nothing{};
     }
 
@@ -122,7 +164,7 @@ private:
     {
         for (const pugi::xml_attribute& attribute : element.attributes())
         {
-            Status set = setLightParameter(_map.light, attribute.name(), attribute.value());
+            Status set = setLightParameter(_map.light, lower(attribute.name()), attribute.value());
             if (!set)
                 return error(lineOf(element, attribute.name()),
                              "<terrain_light> " + set.error().message);
@@ -131,12 +173,13 @@ private:
         {
             if (child.type() != pugi::node_element)
                 continue;
-            const bool key = std::string(child.name()) == "key_light";
+            const bool key = lower(child.name()) == "key_light";
             if (Status read = key ? readKeyLight(child) : Status(Nothing{}); !read)
                 return read;
             if (key)
                 continue;
-            Status set = setLightParameter(_map.light, child.name(), trimmed(child.text().get()));
+            Status set =
+                setLightParameter(_map.light, lower(child.name()), trimmed(child.text().get()));
             if (!set)
                 return error(lineOf(child), "<terrain_light> " + set.error().message);
         }
@@ -147,14 +190,15 @@ private:
     {
         KeyLight key;
         for (const pugi::xml_attribute& attribute : element.attributes())
-            if (Status set = setKeyLight(key, attribute.name(), attribute.value()); !set)
+            if (Status set = setKeyLight(key, lower(attribute.name()), attribute.value()); !set)
                 return error(lineOf(element, attribute.name()),
                              "<key_light> " + set.error().message);
         for (const pugi::xml_node& child : element.children())
         {
             if (child.type() != pugi::node_element)
                 continue;
-            if (Status set = setKeyLight(key, child.name(), trimmed(child.text().get())); !set)
+            if (Status set = setKeyLight(key, lower(child.name()), trimmed(child.text().get()));
+                !set)
                 return error(lineOf(child), "<key_light> " + set.error().message);
         }
         _map.light.sky.keyLights.push_back(key);
@@ -166,7 +210,8 @@ private:
     const std::string& _text;
     const std::string& _source;
     EarthMap _map;
-    std::string _skipped;
+    std::string _leftOut; ///< all that is not drawn: _missed and _skipped
+    std::string _missed, _skipped;
 };
 } // namespace
 

@@ -25,9 +25,13 @@ struct EarthMap
     std::vector<EarthLayer> elevations;
     std::vector<EarthLayer> images; ///< bottom first
     LightParameters light;
-    std::vector<std::string> notes; ///< what was skipped, one sentence each, to be said once
+    std::vector<std::string> warnings; ///< layers that are not drawn, and why
+    std::vector<std::string> notes;    ///< what else was left out, and why
 };
 
+/// Names of elements and keys may be in any case; a key is an attribute or a child. A layer that is
+/// switched off (open, enabled or visible is false, no or off), has no url or is of another kind is
+/// left out and named; where no other is left, that is the error.
 /// source: what messages call the text. Errors name source, line, key, value and what is needed.
 OSGTERRAINLIGHT_EXPORT Result<EarthMap> parseEarth(const std::string& text,
                                                    const std::string& source);

@@ -231,6 +231,7 @@ TerrainModel loadMap(const EarthMap& map, const std::string& folder, const std::
     TerrainModel model;
     model.node = createLighting(map.light, folder, model.warnings);
     model.node->setName(map.name);
+    model.warnings.insert(model.warnings.end(), map.warnings.begin(), map.warnings.end());
     model.notes = map.notes;
     const auto leaveOut = [&](const EarthLayer& layer, const std::string& reason)
     {
