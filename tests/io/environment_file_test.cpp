@@ -425,12 +425,13 @@ TEST_F(EnvironmentFileTest, EveryLayoutOfChannels)
     constexpr int height = 8;
     const Imf::Header header(width, height);
     const Channels plain = colours(width, height);
-    const auto expectPlain = [&](const std::string& name, float tolerance)
+    const auto expectPlain =
+        [&](const std::string& name, float tolerance, const std::string& taken = "")
     {
         const EnvironmentPicture picture = pictureOf(in(name));
         ASSERT_EQ(picture.columns, width) << name;
         ASSERT_EQ(picture.rows, height) << name;
-        EXPECT_EQ(picture.warning, "");
+        EXPECT_EQ(picture.warning, taken.empty() ? "" : in(name) + ": " + taken);
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x)
             {
@@ -480,9 +481,20 @@ TEST_F(EnvironmentFileTest, EveryLayoutOfChannels)
             part.writePixels(height);
         }
     }
-    for (const char* name :
-         {"float.exr", "uint.exr", "rgba.exr", "layer.exr", "tiled.exr", "parts.exr"})
+    for (const char* name : {"float.exr", "uint.exr", "tiled.exr"})
         expectPlain(name, 0.0f);
+    expectPlain("rgba.exr", 0.0f,
+                "the layer without a name is taken as light, not the layer \"diffuse\"");
+    expectPlain("layer.exr", 0.0f,
+                "the layer \"beauty.main\" is taken as light, not the layer \"other\"");
+    expectPlain("parts.exr", 0.0f, "part \"part1\" is taken as light, not part \"part2\"");
+    Channels blender = colours(width, height, "View Layer.Combined.");
+    for (const char* name : {"View Layer.AO.R", "View Layer.AO.G", "View Layer.AO.B"})
+        blender[name] = more["A"];
+    write(in("blender.exr"), header, blender);
+    expectPlain(
+        "blender.exr", 0.0f,
+        "the layer \"View Layer.Combined\" is taken as light, not the layer \"View Layer.AO\"");
     expectPlain("half.exr", 1.0f / 2048.0f);
 
     write(in("grey.exr"), header, {{"Y", plain.at("G")}});

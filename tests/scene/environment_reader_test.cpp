@@ -89,7 +89,7 @@ TEST_F(EnvironmentReaderTest, ErrorsNameTheFile)
                                      {"none.hdr", "no such file"},
                                      {"square.hdr", "4 x 4"},
                                      {"empty.exr", "OpenEXR"},
-                                     {"empty.hdr", "OpenSceneGraph"},
+                                     {"empty.hdr", "Radiance"},
                                      {"text.xyz_no_plugin", "OpenSceneGraph"}})
     {
         std::string problem;

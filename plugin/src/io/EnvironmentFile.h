@@ -17,21 +17,25 @@ struct EnvironmentPicture
     int columns = 0;
     int rows = 0;
     std::vector<Rgb> radiance; ///< finite and ≥ 0
-    std::string warning;       ///< what was replaced; empty where nothing worth a word was
+    std::string warning;       ///< what was replaced or chosen; empty where nothing was
 };
 
-/// Reads an OpenEXR file as an environment: latitude-longitude or a cube, after the attribute
-/// envmap; without it a picture of 2 : 1 is latitude-longitude and one of 1 : 6 a cube. Of several
-/// parts and layers, the first that has R, G and B or Y counts; with RY and BY, Y is luminance and
-/// these are chroma. Other chromaticities than those of Rec. 709 are converted. The display window
-/// counts; what of it is outside the data window is black. docs/CONVENTIONS.md has the orientation.
+/// By a file's first bytes, whatever its name.
+enum class PictureFormat
+{
+    OpenExr,
+    Radiance,
+    Other
+};
+OSGTERRAINLIGHT_EXPORT PictureFormat formatOf(const std::string& path);
+
+/// Reads a picture of all directions: of Radiance where the file begins so (io/RadianceFile.h),
+/// else OpenEXR (io/ExrEnvironment.h), as latitude-longitude or cube. docs/CONVENTIONS.md has the
+/// orientation. Values that are no light are replaced by makeUsable().
 ///
-/// NaN, infinite and negative values: as makeUsable() has them. A cube becomes 4 n × 2 n texels,
-/// each the mean of what it covers, so that no light is lost.
-///
-/// Errors: NotFound; Invalid where the file is damaged, its windows are empty or of no
-/// environment's shape, or they hold more than maxPixels pixels, which is looked at before any is
-/// allocated; NotSupported for deep parts and where no part has R, G, B or Y.
+/// Errors name the file: NotFound; Invalid where it is damaged, of no environment's shape or holds
+/// more than maxPixels pixels, which is looked at before any is allocated; NotSupported where it
+/// holds no light of a kind we read.
 OSGTERRAINLIGHT_EXPORT Result<EnvironmentPicture>
 readEnvironmentFile(const std::string& path, std::size_t maxPixels = std::size_t(1) << 27);
 

@@ -9,7 +9,7 @@ namespace osgTerrainLight
 
 /// While it lives, GDAL's errors and warnings on this thread are kept here and off stderr.
 /// Registers GDAL's drivers on first use.
-class GdalErrors
+class OSGTERRAINLIGHT_EXPORT GdalErrors
 {
 public:
     GdalErrors();

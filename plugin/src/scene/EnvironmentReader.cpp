@@ -7,6 +7,7 @@
 #include <osgDB/FileNameUtils>
 #include <osgDB/ReadFile>
 
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <system_error>
@@ -17,6 +18,14 @@ namespace osgTerrainLight
 
 namespace
 {
+Error noRadiance(const std::string& path)
+{
+    std::error_code failure;
+    if (!std::filesystem::exists(path, failure))
+        return {ErrorCode::NotFound, path + ": no such file"};
+    return {ErrorCode::Invalid, path + ": does not begin with #?; needed a picture of Radiance"};
+}
+
 /// Floats are linear, bytes and the like sRGB.
 Result<EnvironmentPicture> readByPlugin(const std::string& path)
 {
@@ -65,10 +74,15 @@ Result<EnvironmentPicture> readByPlugin(const std::string& path)
 } // namespace
 
 std::shared_ptr<const Environment> readEnvironment(const std::string& path, std::string& problem)
+try
 {
-    Result<EnvironmentPicture> picture = osgDB::getLowerCaseFileExtension(path) == "exr"
-                                             ? readEnvironmentFile(path)
-                                             : readByPlugin(path);
+    // Damaged files never reach a plugin, whose readers trust them: what claims to be of a kind
+    // that we read ourselves, by its content or its name, is read so.
+    const std::string extension = osgDB::getLowerCaseFileExtension(path);
+    Result<EnvironmentPicture> picture =
+        formatOf(path) != PictureFormat::Other || extension == "exr" ? readEnvironmentFile(path)
+        : extension == "hdr" || extension == "pic" ? Result<EnvironmentPicture>(noRadiance(path))
+                                                   : readByPlugin(path);
     if (!picture)
     {
         problem = picture.error().message;
@@ -86,6 +100,11 @@ std::shared_ptr<const Environment> readEnvironment(const std::string& path, std:
     // Nobody else has it yet.
     std::const_pointer_cast<Environment>(made)->name = path;
     return made;
+}
+catch (const std::exception& error) // of a plugin, or no memory
+{
+    problem = path + ": cannot be read: " + error.what();
+    return nullptr;
 }
 
 } // namespace osgTerrainLight

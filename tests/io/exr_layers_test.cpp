@@ -1,0 +1,65 @@
+#include "io/ExrLayers.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+using namespace osgTerrainLight;
+
+namespace
+{
+using Names = std::vector<std::string>;
+
+/// Names of R, G, B in each layer.
+Names coloured(const Names& layers)
+{
+    Names names;
+    for (const std::string& layer : layers)
+        for (const char* channel : {"R", "G", "B"})
+            names.push_back(layer + (layer.empty() ? "" : ".") + channel);
+    return names;
+}
+
+std::string first(const Names& channels, const Names& views = {})
+{
+    const std::vector<ExrLayer> layers = lightLayers(channels, views);
+    return layers.empty() ? "none" : layers.front().prefix;
+}
+} // namespace
+
+// Names as Blender, Cycles, Nuke, Arnold, V-Ray and OpenEXR's own documents have them; the picture
+// is what these programs show first.
+TEST(ExrLayers, ThePictureOfEachProgram)
+{
+    EXPECT_EQ(first(coloured({"", "AO", "beauty"})), "");
+    EXPECT_EQ(first(coloured({"View Layer.AO", "View Layer.Combined", "View Layer.DiffCol"})),
+              "View Layer.Combined.");
+    EXPECT_EQ(first(coloured({"albedo", "crypto_asset", "RGBA", "specular"})), "RGBA.");
+    EXPECT_EQ(first(coloured({"Beauty", "coat", "N"})), "Beauty.");
+    EXPECT_EQ(first(coloured({"diffuse", "specular"})), "diffuse."); // by name, and said
+    EXPECT_EQ(first(coloured({"Normal", "sky"})), "sky.");
+    EXPECT_EQ(first(coloured({"Normal"})), "Normal."); // nothing else: taken, and said
+}
+
+TEST(ExrLayers, VectorsAndDepthAreNoLuminance)
+{
+    EXPECT_EQ(first({"normal.X", "normal.Y", "normal.Z"}), "none");
+    EXPECT_EQ(first({"flow.X", "flow.Y", "sky.Y"}), "sky.");
+    EXPECT_EQ(first({"Z", "A", "layer.Y"}), "layer.");
+    EXPECT_EQ(first({"Y", "RY", "BY"}), "");
+    EXPECT_EQ(lightLayers({"Y", "RY", "BY"}, {})[0].kind, LayerKind::LuminanceChroma);
+    EXPECT_EQ(lightLayers({"Y", "RY"}, {})[0].kind, LayerKind::Luminance);
+    EXPECT_EQ(lightLayers({"Y", "R", "G", "B"}, {})[0].kind, LayerKind::Colours);
+    EXPECT_EQ(first({"Z", "A", "R", "G"}), "none");
+}
+
+// Attribute multiView: the first view is the default one, whose channels need not name it.
+TEST(ExrLayers, TheFirstViewCounts)
+{
+    EXPECT_EQ(first(coloured({"left", "right"}), {"right", "left"}), "right.");
+    EXPECT_EQ(first(coloured({"", "left"}), {"right", "left"}), "");
+    EXPECT_EQ(first(coloured({"beauty.left", "beauty.right", "ao.right"}), {"right", "left"}),
+              "beauty.right.");
+    EXPECT_EQ(lightLayers(coloured({"left", "right"}), {"right", "left"}).size(), 2u);
+}
