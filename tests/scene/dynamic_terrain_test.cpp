@@ -686,22 +686,21 @@ TEST(DynamicTerrain, IsGlossyWhereThereIsLight)
     for (std::size_t i = 0; i < gloss.size(); ++i)
         if (i % static_cast<std::size_t>(side) > static_cast<std::size_t>(side) / 2)
             gloss[i] = {0.8f, 8.0f};
-    EXPECT_TRUE(lighting->setTileGloss(terrain->getStateSet(), gloss));
+    EXPECT_TRUE(lighting->setTileGloss(lighting->getTileHandles().front(), gloss));
     picture.draw(2);
     EXPECT_NEAR(picture.redAt(0.5, 0.0), bright, 1.5);
     EXPECT_NEAR(picture.redAt(-0.5, 0.0), plain, 1.5);
-    EXPECT_TRUE(lighting->setTileGloss(terrain->getStateSet(), {}));
+    EXPECT_TRUE(lighting->setTileGloss(lighting->getTileHandles().front(), {}));
     picture.draw(2);
     EXPECT_NEAR(picture.redAt(0.5, 0.0), plain, 1.5);
     EXPECT_EQ(said.text(), "");
     EXPECT_EQ(takeGlErrors(), "");
 
-    const osg::ref_ptr<osg::StateSet> stranger = new osg::StateSet;
-    EXPECT_FALSE(lighting->setTileGloss(stranger, gloss));
+    EXPECT_FALSE(lighting->setTileGloss(TileHandle::at(1, 2, 3), gloss));
     gloss.pop_back();
-    EXPECT_FALSE(lighting->setTileGloss(terrain->getStateSet(), gloss));
+    EXPECT_FALSE(lighting->setTileGloss(lighting->getTileHandles().front(), gloss));
     gloss.push_back({0.5f, 0.5f});
-    EXPECT_FALSE(lighting->setTileGloss(terrain->getStateSet(), gloss));
+    EXPECT_FALSE(lighting->setTileGloss(lighting->getTileHandles().front(), gloss));
     EXPECT_EQ(said.count("gloss of tile not set: "), 3);
 }
 
@@ -744,7 +743,7 @@ TEST(DynamicTerrain, IsDisplacedWithoutLightToo)
     // It comes and goes, and is left as it was.
     const osg::StateAttribute* lit =
         terrain->getStateSet()->getAttribute(osg::StateAttribute::PROGRAM);
-    lighting->removeTile(terrain->getStateSet());
+    EXPECT_TRUE(lighting->removeTile(lighting->getTileHandles().front()));
     picture.draw(4);
     EXPECT_NE(terrain->getStateSet()->getAttribute(osg::StateAttribute::PROGRAM), lit);
     EXPECT_FALSE(terrain->getStateSet()->getUniform(ShadingTexture::sampler));

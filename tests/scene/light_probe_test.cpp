@@ -74,7 +74,7 @@ struct Scene
         sky.skyRadiance = {1.0f, 1.0f, 1.0f};
         sky.sunEnabled = false;
         lighting->setSkyLight(sky);
-        EXPECT_TRUE(lighting->addProbe(probe, tile));
+        EXPECT_TRUE(lighting->addProbe(probe, lighting->getTileHandle(tile)));
     }
 };
 } // namespace
@@ -171,9 +171,10 @@ TEST(LightProbe, BadValuesAreRefused)
     EXPECT_EQ(said.count("height of probe not set: "), 1);
     EXPECT_EQ(said.count("exponent of probe not set: "), 1);
     const osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
-    const osg::ref_ptr<osg::StateSet> stateSet = new osg::StateSet;
-    EXPECT_FALSE(lighting->addProbe(nullptr, stateSet));
-    EXPECT_TRUE(lighting->addProbe(probe, stateSet));
-    EXPECT_FALSE(lighting->addProbe(probe, stateSet));
-    EXPECT_EQ(said.count("probe not added: "), 2);
+    const TileHandle tile = TileHandle::at(3, 4, 5); // it may come later
+    EXPECT_FALSE(lighting->addProbe(nullptr, tile));
+    EXPECT_FALSE(lighting->addProbe(probe, TileHandle()));
+    EXPECT_TRUE(lighting->addProbe(probe, tile));
+    EXPECT_FALSE(lighting->addProbe(probe, tile));
+    EXPECT_EQ(said.count("probe not added: "), 3);
 }

@@ -65,12 +65,12 @@ TEST(ShadingBinding, GivesBackWhatItReplaced)
             ShadingBinding binding(stateSet, shadingTexture(), unit, {}, new osg::Program);
             EXPECT_NE(stateSet->compare(*before, true), 0);
             const osg::ref_ptr<osg::Texture2DArray> gloss = new osg::Texture2DArray;
-            binding.setGloss(gloss);
+            binding.setGloss(gloss, ShadingTexture::glossUnit);
             EXPECT_EQ(stateSet->getTextureAttribute(ShadingTexture::glossUnit,
                                                     osg::StateAttribute::TEXTURE),
                       gloss);
             if (unit == 1u) // taken off with the rest, and before it
-                binding.setGloss(nullptr);
+                binding.setGloss(nullptr, ShadingTexture::glossUnit);
             EXPECT_EQ(stateSet->getDataVariance(), osg::Object::DYNAMIC);
         }
         expectSame(*stateSet, *before);

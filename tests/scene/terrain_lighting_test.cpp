@@ -578,7 +578,9 @@ TEST(TerrainLighting, SwitchedOffDrawsAsAPlainGroup)
     EXPECT_EQ(takeGlErrors(), "");
 }
 
-TEST(TerrainLighting, TheBudgetSpreadsTilesOverFrames)
+// Expected: a budget that no step keeps lets each frame run one, and no tile is begun before the
+// one before it is lit: horizon, sky, sun, shade.
+TEST(TerrainLighting, TheBudgetSpreadsStepsOverFrames)
 {
     OTL_NEED_GL(context);
     osg::ref_ptr<TerrainLighting> lighting = litCone();
@@ -586,13 +588,14 @@ TEST(TerrainLighting, TheBudgetSpreadsTilesOverFrames)
     lighting->addChild(createTerrain(coneTile()));
     lighting->setTimeBudget(1.0e-6);
     ScenePicture picture(lighting, reach);
-    for (unsigned frame = 1; frame <= 3; ++frame)
+    for (unsigned frame = 1; frame <= 12; ++frame)
     {
         picture.draw();
-        EXPECT_EQ(lighting->getDispatchCounts().at("shade"), frame);
+        EXPECT_EQ(lighting->getDispatchCount(), frame);
+        EXPECT_EQ(lighting->getDispatchCounts().at("shade"), frame / 4);
     }
     picture.draw(3);
-    EXPECT_EQ(lighting->getDispatchCounts().at("shade"), 3u);
+    EXPECT_EQ(lighting->getDispatchCount(), 12u);
 }
 
 TEST(TerrainLighting, RemovedTilesAreLeftAsTheyWere)
@@ -630,7 +633,8 @@ TEST(TerrainLighting, LightsAHostsOwnTerrain)
     osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
     lighting->addChild(quad);
     osg::StateSet* stateSet = quad->getOrCreateStateSet();
-    EXPECT_TRUE(lighting->addTile(coneTile(), stateSet, {}, true));
+    TileHandle tile = lighting->addTile(coneTile(), stateSet, {}, true);
+    EXPECT_TRUE(tile);
     {
         Said said;
         EXPECT_FALSE(lighting->addTile(coneTile(), stateSet));
@@ -641,19 +645,20 @@ TEST(TerrainLighting, LightsAHostsOwnTerrain)
     EXPECT_GT(picture.redAt(-0.3, 0.3), picture.redAt(0.3, -0.3) + 40.0);
 
     // The same by position.
-    lighting->removeTile(stateSet);
+    EXPECT_TRUE(lighting->removeTile(tile));
     ShadingCoordinates byPosition;
     byPosition.source = ShadingCoordinates::Source::Vertex;
     byPosition.toTile = osg::Matrixd::translate(320.0, 320.0, 0.0) *
                         osg::Matrixd::scale(1.0 / 640.0, 1.0 / 640.0, 1.0);
     const std::vector<unsigned char> byTexCoord = picture.pixels();
-    EXPECT_TRUE(lighting->addTile(coneTile(), stateSet, byPosition, true));
+    tile = lighting->addTile(coneTile(), stateSet, byPosition, true);
+    EXPECT_TRUE(tile);
     picture.draw();
     std::size_t different = 0;
     for (std::size_t i = 0; i < byTexCoord.size(); ++i)
         different += std::abs(byTexCoord[i] - picture.pixels()[i]) > 1;
     EXPECT_EQ(different, 0u);
-    lighting->removeTile(stateSet);
+    EXPECT_TRUE(lighting->removeTile(tile));
     picture.draw(4);
     EXPECT_TRUE(stateSet->getUniformList().empty());
     EXPECT_TRUE(stateSet->getAttributeList().empty());
@@ -778,18 +783,41 @@ TEST(TerrainLighting, GoesThroughAFileAndBack)
     }
 }
 
-TEST(TerrainLighting, CopiesKeepTheirSettings)
+// Expected: what TerrainLighting's copy constructor says.
+TEST(TerrainLighting, CopiesHaveWhatTheHeaderSays)
 {
     osg::ref_ptr<TerrainLighting> lighting = litCone();
+    SkyLight sky;
+    sky.sunElevation = 12.0;
+    lighting->setSkyLight(sky);
+    lighting->setPlace({11.5, 48.1, 0.0});
+    lighting->setTime(UtcTime());
     lighting->setLightEnabled(false);
+    lighting->setTimeBudget(7.0);
+    lighting->setTextureUnit(9);
+    lighting->setGlossUnit(10);
+    lighting->setGlossLayer(2);
+    lighting->setDefaultProgramEnabled(false);
     lighting->addEventCallback(new LightingHandler);
+    const osg::ref_ptr<osg::StateSet> stateSet = new osg::StateSet;
+    EXPECT_TRUE(lighting->addTile(coneTile(), stateSet));
     const osg::ref_ptr<TerrainLighting> copy =
         osg::clone(lighting.get(), osg::CopyOp::DEEP_COPY_NODES);
     EXPECT_EQ(copy->getSettings().azimuths, 16);
+    EXPECT_EQ(copy->getSkyLight().sunElevation, lighting->getSkyLight().sunElevation);
+    ASSERT_TRUE(copy->getPlace());
+    EXPECT_EQ(copy->getPlace()->latitude, 48.1);
+    EXPECT_EQ(copy->getTime(), lighting->getTime());
     EXPECT_FALSE(copy->getLightEnabled());
-    EXPECT_FALSE(copy->getEventCallback()) << "OSG copies none";
+    EXPECT_EQ(copy->getTimeBudget(), 7.0);
+    EXPECT_EQ(copy->getTextureUnit(), 9u);
+    EXPECT_EQ(copy->getGlossUnit(), 10u);
+    EXPECT_EQ(copy->getGlossLayer(), 2);
+    EXPECT_FALSE(copy->getDefaultProgramEnabled());
     EXPECT_EQ(copy->getNumChildren(), 1u);
     EXPECT_EQ(copy->getTileCount(), 0u);
+    EXPECT_TRUE(copy->getTileHandles().empty());
+    EXPECT_FALSE(copy->getEventCallback()) << "OSG copies none";
     EXPECT_EQ(copy->getNumChildrenRequiringUpdateTraversal(),
               lighting->getNumChildrenRequiringUpdateTraversal());
 }
@@ -879,6 +907,9 @@ TEST(TerrainLighting, ATurnedTileIsNamedAndDrawnUnlit)
     ScenePicture picture(lighting, reach);
     picture.draw(5);
     EXPECT_EQ(said.count("terrain tile \"turned\" is drawn unlit"), 1) << said.text();
+    const TileState state = lighting->getTileState(lighting->getTileHandle(tile));
+    EXPECT_EQ(state.stage, TileState::Stage::Failed);
+    EXPECT_NE(state.reason.find("its locator or a transform above turns it"), std::string::npos);
     EXPECT_GT(picture.redAt(0, 0), 0.0);
 }
 

@@ -161,12 +161,14 @@ int main(int argc, char** argv)
         tile->getOrCreateStateSet()->setMode(GL_CULL_FACE, osg::StateAttribute::OFF);
         lighting->addChild(quad);
         lighting->addChild(dressed);
+        TileHandle added;
         for (int i = 0; i < 40; ++i)
         {
             if (i % 2)
-                lighting->removeTile(stateSet);
+                expect(lighting->removeTile(added), "tile removed");
             else
-                expect(lighting->addTile(cone, stateSet, {}, true), "tile added");
+                added = lighting->addTile(cone, stateSet, {}, true);
+            expect(added.valid(), "tile added");
             tile->getElevationLayer()->dirty();
             tile->setDirty(i % 3 == 0);
             viewer.frame();
@@ -212,15 +214,17 @@ int main(int argc, char** argv)
             });
         osg::ref_ptr<osg::Node> still = lighting->getChild(0);
         lighting->setChild(0, dynamic);
-        expect(lighting->addTile(dynamic), "dynamic terrain added");
+        TileHandle added = lighting->addTile(dynamic);
+        expect(added.valid(), "dynamic terrain added");
         for (int i = 0; i < 60; ++i)
         {
             lighting->setLightEnabled(i % 7 != 3);
             if (i % 10 == 5)
             {
-                lighting->removeTile(dynamic->getStateSet());
+                lighting->removeTile(added);
                 viewer.frame();
-                expect(lighting->addTile(dynamic), "dynamic terrain added again");
+                added = lighting->addTile(dynamic);
+                expect(added.valid(), "dynamic terrain added again");
             }
             viewer.frame();
         }
@@ -229,7 +233,7 @@ int main(int argc, char** argv)
         const unsigned spent = lighting->getDispatchCount();
         settle();
         expect(lighting->getDispatchCount() == spent, "heights that stay dispatch nothing");
-        lighting->removeTile(dynamic->getStateSet());
+        lighting->removeTile(added);
         lighting->setChild(0, still);
     }
     check(false, "after dynamic terrain went");

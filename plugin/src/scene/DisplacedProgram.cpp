@@ -5,8 +5,9 @@
 namespace osgTerrainLight
 {
 
-DisplacedProgram::DisplacedProgram(const TileSet* tiles, const LitTile* tile)
-    : _tiles(tiles), _tile(tile), _lit(tile ? createDisplacedProgram(true) : nullptr),
+DisplacedProgram::DisplacedProgram(const TilePrograms* programs, const Scheduler* scheduler,
+                                   const LitTile* tile)
+    : _programs(programs), _scheduler(scheduler), _tile(tile), _lit(tile ? createDisplacedProgram(true) : nullptr),
       _glossy(tile ? createDisplacedProgram(true, true) : nullptr),
       _unlit(createDisplacedProgram(false))
 {
@@ -15,11 +16,11 @@ DisplacedProgram::DisplacedProgram(const TileSet* tiles, const LitTile* tile)
 
 void DisplacedProgram::apply(osg::State& state) const
 {
-    const bool lit = _lit && _tiles->isLit(*_tile, state.getContextID());
+    const bool lit = _lit && _scheduler->isLit(*_tile, state.getContextID());
     const osg::Program& program = !lit ? *_unlit : _tile->glossy ? *_glossy : *_lit;
     program.apply(state);
-    if (_tiles && !program.getPCP(state)->isLinked())
-        _tiles->programFailed(whyNotLinked(program, state));
+    if (_programs && !program.getPCP(state)->isLinked())
+        _programs->fail(whyNotLinked(program, state));
 }
 
 int DisplacedProgram::compare(const osg::StateAttribute& other) const

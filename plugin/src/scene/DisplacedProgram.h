@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scene/TileSet.h"
+#include "scene/TilePrograms.h"
 
 #include <osg/Program>
 
@@ -13,7 +13,8 @@ class DisplacedProgram : public osg::Program
 {
 public:
     /// Null: never lit.
-    explicit DisplacedProgram(const TileSet* tiles = nullptr, const LitTile* tile = nullptr);
+    explicit DisplacedProgram(const TilePrograms* programs = nullptr,
+                              const Scheduler* scheduler = nullptr, const LitTile* tile = nullptr);
 
     void apply(osg::State& state) const override;
     int compare(const osg::StateAttribute& other) const override;
@@ -22,7 +23,8 @@ public:
     void resizeGLObjectBuffers(unsigned size) override;
 
 private:
-    osg::ref_ptr<const TileSet> _tiles;
+    osg::ref_ptr<const TilePrograms> _programs; ///< that are told of failures
+    osg::ref_ptr<const Scheduler> _scheduler;
     osg::ref_ptr<const LitTile> _tile;
     osg::ref_ptr<osg::Program> _lit;    ///< null without a tile
     osg::ref_ptr<osg::Program> _glossy; ///< likewise

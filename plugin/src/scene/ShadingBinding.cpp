@@ -191,13 +191,13 @@ void ShadingBinding::remove(Bound<T>& bound)
     bound = {};
 }
 
-void ShadingBinding::setGloss(osg::Texture2DArray* light)
+void ShadingBinding::setGloss(osg::Texture2DArray* light, unsigned unit)
 {
     if (light == _gloss.texture)
         return;
     remove(_gloss);
     if (light)
-        install(_gloss, light, ShadingTexture::glossUnit);
+        install(_gloss, light, unit);
 }
 
 void ShadingBinding::setHasColour(bool hasColour)

@@ -34,8 +34,8 @@ public:
     /// What the StateSet was if the caller has made it DYNAMIC.
     void setTheirVariance(osg::Object::DataVariance variance) { _theirVariance = variance; }
 
-    /// Light sent by gloss, in unit ShadingTexture::glossUnit; null: none, and no unit.
-    void setGloss(osg::Texture2DArray* light);
+    /// Light sent by gloss, in a texture unit; null: none, and no unit.
+    void setGloss(osg::Texture2DArray* light, unsigned unit);
     osg::Texture2DArray* gloss() const { return _gloss.texture.get(); }
 
     /// Whether texture unit 0 holds the tile's colours. Effective with a program.

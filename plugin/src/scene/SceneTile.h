@@ -1,0 +1,77 @@
+#pragma once
+
+#include "scene/LitTile.h"
+#include "scene/ShadingBinding.h"
+#include <osgTerrainLight/DynamicTerrain.h>
+#include <osgTerrainLight/TileHandle.h>
+
+#include <osg/Image>
+#include <osgTerrain/Terrain>
+#include <osgTerrain/TerrainTile>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace osgTerrainLight
+{
+
+/// What decides whether a terrain tile must be read again.
+struct TileVersion
+{
+    const osgTerrain::Layer* layer = nullptr;
+    unsigned modified = 0;
+    float verticalScale = 1.0f;
+    osg::Matrixd toScene;
+
+    bool operator==(const TileVersion& other) const
+    {
+        return layer == other.layer && modified == other.modified &&
+               verticalScale == other.verticalScale && toScene == other.toScene;
+    }
+};
+
+/// A picture in a layer, as it was when it was read.
+struct PictureVersion
+{
+    osg::ref_ptr<const osg::Image> image;
+    unsigned modified = 0;
+
+    /// Whether the picture is another one, or has changed; it is then noted.
+    bool follow(const osg::Image* now)
+    {
+        const unsigned count = now ? now->getModifiedCount() : 0;
+        if (image == now && modified == count)
+            return false;
+        image = now;
+        modified = count;
+        return true;
+    }
+};
+
+/// A tile of a TerrainLighting: its light, where it is bound, and what it is followed from.
+struct SceneTile
+{
+    TileHandle handle;
+    osg::ref_ptr<LitTile> lit; ///< null: a terrain tile that cannot be lit, or not yet
+    std::shared_ptr<ShadingBinding> binding;
+    std::string problem; ///< why it cannot be lit
+    bool hasGloss = false; ///< per post, of its host
+
+    // Of a DynamicTerrain.
+    osg::ref_ptr<DynamicTerrain> dynamic;
+    osg::ref_ptr<osg::Texture2D> heights; ///< those that it has; null: still the first ones
+    unsigned heightRevision = 0;
+
+    // Of a terrain tile that was found.
+    osg::ref_ptr<osgTerrain::TerrainTile> terrain; ///< null where a host added the tile
+    TileVersion version;
+    PictureVersion colours, glossPicture; ///< that albedo and gloss were read from
+    bool ownStateSet = false;             ///< the terrain tile had none before
+    /// Of a StateSet that has been made DYNAMIC and is bound at the next update.
+    std::optional<osg::Object::DataVariance> theirVariance;
+    bool byTexCoord = false;
+    bool withoutGeometry = false; ///< when it was bound: its technique makes it late
+};
+
+} // namespace osgTerrainLight

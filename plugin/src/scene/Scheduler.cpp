@@ -1,0 +1,215 @@
+#include "scene/Scheduler.h"
+
+#include "gpu/GpuCapabilities.h"
+
+#include <osg/Notify>
+
+#include <algorithm>
+#include <limits>
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+using Lock = std::lock_guard<std::mutex>;
+} // namespace
+
+void Scheduler::add(LitTile* tile)
+{
+    Lock lock(_mutex);
+    _tiles.emplace_back(tile);
+    touch();
+}
+
+void Scheduler::remove(LitTile* tile)
+{
+    Lock lock(_mutex);
+    _tiles.erase(std::remove(_tiles.begin(), _tiles.end(), tile), _tiles.end());
+    for (auto& [id, context] : _contexts)
+        context.sights.erase(tile);
+}
+
+void Scheduler::setSettings(const LightingSettings& settings)
+{
+    Lock lock(_mutex);
+    auto light = std::make_shared<SceneLight>(*_light);
+    light->settings = settings;
+    ++light->settingsVersion;
+    _light = std::move(light);
+    touch();
+}
+
+void Scheduler::setSky(const SkyLight& sky)
+{
+    Lock lock(_mutex);
+    auto light = std::make_shared<SceneLight>(*_light);
+    light->sky = sky;
+    ++light->skyVersion;
+    _light = std::move(light);
+    touch();
+}
+
+std::shared_ptr<const SceneLight> Scheduler::light() const
+{
+    Lock lock(_mutex);
+    return _light;
+}
+
+void Scheduler::forget(unsigned context)
+{
+    Lock lock(_mutex);
+    for (const auto& tile : _tiles)
+        tile->forget(context);
+    if (context == ~0u)
+        _contexts.clear();
+    else
+        _contexts.erase(context);
+}
+
+bool Scheduler::isDone(unsigned context) const
+{
+    if (!enabled)
+        return true;
+    Lock lock(_mutex);
+    const auto found = _contexts.find(context);
+    return found == _contexts.end() ? _tiles.empty() : isDone(found->second);
+}
+
+bool Scheduler::isDone() const
+{
+    Lock lock(_mutex);
+    return !_contexts.empty() && std::all_of(_contexts.begin(), _contexts.end(),
+                                             [this](const auto& each)
+                                             { return isDone(each.second); });
+}
+
+std::string Scheduler::failure() const
+{
+    Lock lock(_mutex);
+    for (const auto& tile : _tiles)
+        if (const std::string failure = tile->failure(); !failure.empty())
+            return tile->name() + ": " + failure;
+    return _unsupported;
+}
+
+bool Scheduler::supports(osg::State& state, Context& context)
+{
+    if (context.asked)
+        return context.supported;
+    context.asked = true;
+    const Result<GpuCapabilities> found = GpuCapabilities::query(state);
+    context.supported = found.ok();
+    if (!found && _unsupported.empty())
+    {
+        _unsupported = found.error().message;
+        OSG_WARN << "osgTerrainLight: " << _unsupported << "; drawing unlit" << std::endl;
+    }
+    return context.supported;
+}
+
+void Scheduler::see(const osgUtil::CullVisitor& visitor)
+{
+    // Its questions to the culling set are not const.
+    osgUtil::CullVisitor& cull = const_cast<osgUtil::CullVisitor&>(visitor);
+    const osg::State* state = cull.getState();
+    if (!state || isDone(state->getContextID()))
+        return;
+    const unsigned frame = cull.getFrameStamp() ? cull.getFrameStamp()->getFrameNumber() : 0;
+    const osg::Vec3d eye = cull.getEyeLocal();
+    Lock lock(_mutex);
+    Context& context = _contexts[state->getContextID()];
+    for (const auto& tile : _tiles)
+    {
+        const osg::BoundingSphere& bound = tile->bound();
+        if (!bound.valid())
+            continue;
+        const double rank = cull.isCulled(bound)
+                                ? -(osg::Vec3d(bound.center()) - eye).length()
+                                : static_cast<double>(cull.clampedPixelSize(bound));
+        Sight& sight = context.sights[tile];
+        sight.rank = sight.frame == frame ? std::max(sight.rank, rank) : rank;
+        sight.frame = frame;
+    }
+}
+
+std::vector<osg::ref_ptr<LitTile>> Scheduler::inOrder(const Context& context) const
+{
+    std::vector<osg::ref_ptr<LitTile>> tiles = _tiles;
+    const auto rankOf = [&](const LitTile* tile)
+    {
+        const auto seen = context.sights.find(tile);
+        return seen == context.sights.end() ? -std::numeric_limits<double>::infinity()
+                                            : seen->second.rank;
+    };
+    std::stable_sort(tiles.begin(), tiles.end(),
+                     [&](const auto& a, const auto& b) { return rankOf(a) > rankOf(b); });
+    return tiles;
+}
+
+void Scheduler::compute(osg::State& state)
+{
+    const unsigned id = state.getContextID();
+    const unsigned revision = _revision;
+    std::vector<osg::ref_ptr<LitTile>> tiles;
+    std::shared_ptr<WorkClock> clock;
+    {
+        Lock lock(_mutex);
+        Context& context = _contexts[id];
+        if (!supports(state, context))
+            return;
+        tiles = inOrder(context);
+        clock = context.clock;
+    }
+    const double limit = budget;
+    clock->begin(state);
+    bool done = true;
+    bool stopped = false;
+    for (std::size_t i = 0; i < tiles.size() && !stopped; ++i)
+        done = update(*tiles[i], state, *clock, limit, stopped) && done;
+    Lock lock(_mutex);
+    if (done && !stopped)
+        _contexts[id].done = revision;
+}
+
+/// Whether the tile is up to date. stopped: the budget is spent.
+bool Scheduler::update(LitTile& tile, osg::State& state, WorkClock& clock, double limit,
+                       bool& stopped)
+{
+    const unsigned id = state.getContextID();
+    const std::shared_ptr<const SceneLight> light = this->light();
+    const LitTile::Stage stage = tile.stage(id);
+    // What waits may have been computed before a texture of it was bound.
+    if (stage == LitTile::Stage::Failed ||
+        (stage == LitTile::Stage::Lit && !tile.isBehind(id, light)))
+        return true;
+    const auto isSpent = [&] { return limit > 0.0 && clock.spent() > limit; };
+    stopped = clock.steps() > 0 && isSpent();
+    if (stopped)
+        return false;
+    const double posts = double(tile.lighting().width()) * tile.lighting().height();
+    const osg::ref_ptr<osg::Texture2DArray> gloss = tile.glossLight();
+    const Status updated = tile.update(state, light,
+                                       [&]
+                                       {
+                                           clock.step(state, posts);
+                                           stopped = isSpent();
+                                           return !stopped;
+                                       });
+    if (tile.glossLight() != gloss)
+        ++_glossRevision;
+    if (!updated)
+    {
+        tile.fail(id, updated.error().message);
+        OSG_WARN << "osgTerrainLight: " << tile.name() << ": " << updated.error().message
+                 << "; drawing it unlit" << std::endl;
+        return true;
+    }
+    if (stopped)
+        return false; // what was lit keeps its light until the rest has been computed
+    clock.step(state, posts);
+    tile.setStage(id, LitTile::Stage::Lit);
+    return !tile.lighting().isDirty(id); // bounces may wait for their turn
+}
+
+} // namespace osgTerrainLight

@@ -1,0 +1,97 @@
+#pragma once
+
+#include "scene/LitTile.h"
+#include "scene/WorkClock.h"
+
+#include <osg/Referenced>
+#include <osgUtil/CullVisitor>
+
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace osgTerrainLight
+{
+
+/// The tiles of one TerrainLighting as its cull and draw traversals see them, and what of their
+/// light is computed in a frame: within a budget, the tile that is seen best first. Thread-safe.
+class Scheduler : public osg::Referenced
+{
+public:
+    Scheduler() : _light(std::make_shared<SceneLight>()) {}
+
+    void add(LitTile* tile);
+    void remove(LitTile* tile);
+
+    void setSettings(const LightingSettings& settings);
+    void setSky(const SkyLight& sky);
+    std::shared_ptr<const SceneLight> light() const;
+
+    /// Something that tiles depend on has changed.
+    void touch() { ++_revision; }
+    void forget(unsigned context);
+
+    std::atomic<bool> enabled{true};
+    std::atomic<double> budget{50.0}; ///< [ms] per frame; 0: no limit
+
+    /// Counts updates after which a tile's light sent by gloss may be in another texture.
+    unsigned glossRevision() const { return _glossRevision; }
+
+    /// Whether tile may be drawn with its shading.
+    bool isLit(const LitTile& tile, unsigned context) const
+    {
+        return enabled && tile.stage(context) == LitTile::Stage::Lit;
+    }
+
+    /// False where compute() would run a step.
+    bool isDone(unsigned context) const;
+    /// False where it would in some context.
+    bool isDone() const;
+
+    /// The first reason why a tile or a context draws unlit; empty where there is none.
+    std::string failure() const;
+
+    /// In cull traversal, in the frame of TerrainLighting: notes how large tiles are on the screen.
+    /// Nothing is done where nothing waits.
+    void see(const osgUtil::CullVisitor& cull);
+
+    /// Computes what has changed within the budget, which it exceeds by one step at most. Needs a
+    /// current context.
+    void compute(osg::State& state);
+
+private:
+    ~Scheduler() override = default;
+
+    /// Large is first: pixels of radius where it is in view, minus the distance where it is not.
+    struct Sight
+    {
+        unsigned frame = 0;
+        double rank = 0.0;
+    };
+    struct Context
+    {
+        bool asked = false, supported = false;
+        unsigned done = 0; ///< revision at which every tile was up to date
+        std::map<const LitTile*, Sight> sights;
+        std::shared_ptr<WorkClock> clock = std::make_shared<WorkClock>();
+    };
+    bool supports(osg::State& state, Context& context);
+    std::vector<osg::ref_ptr<LitTile>> inOrder(const Context& context) const;
+    bool update(LitTile& tile, osg::State& state, WorkClock& clock, double limit, bool& stopped);
+    bool isDone(const Context& context) const
+    {
+        return (context.asked && !context.supported) || context.done == _revision;
+    }
+
+    mutable std::mutex _mutex; ///< never held during a dispatch
+    std::vector<osg::ref_ptr<LitTile>> _tiles;
+    std::map<unsigned, Context> _contexts;
+    std::shared_ptr<const SceneLight> _light;
+    std::atomic<unsigned> _revision{1};
+    std::atomic<unsigned> _glossRevision{0};
+    std::string _unsupported;
+};
+
+} // namespace osgTerrainLight

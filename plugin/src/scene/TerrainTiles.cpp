@@ -1,0 +1,229 @@
+#include "scene/TerrainTiles.h"
+
+#include <osg/Notify>
+#include <osgTerrain/GeometryTechnique>
+
+#include <algorithm>
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+std::string nameOf(const osgTerrain::TerrainTile& tile)
+{
+    const osgTerrain::TileID& id = tile.getTileID();
+    if (!tile.getName().empty())
+        return "terrain tile \"" + tile.getName() + "\"";
+    if (!id.valid())
+        return "terrain tile";
+    return "terrain tile " + std::to_string(id.level) + "/" + std::to_string(id.x) + "/" +
+           std::to_string(id.y);
+}
+
+TileVersion versionOf(const osgTerrain::TerrainTile& tile, const osg::Matrixd& toScene)
+{
+    const osgTerrain::Layer* layer = tile.getElevationLayer();
+    return {layer, layer ? layer->getModifiedCount() : 0,
+            tile.getTerrain() ? tile.getTerrain()->getVerticalScale() : 1.0f, toScene};
+}
+
+/// Collects what a tile draws.
+class PartFinder : public osg::NodeVisitor
+{
+public:
+    explicit PartFinder(const FoundTile& found) : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN)
+    {
+        setNodeMaskOverride(~0u);
+        for (osg::Node* node : found.above) // at its first traversal a tile looks for its Terrain
+            pushOntoNodePath(node);
+        _depth = getNodePath().size() + 1;
+        found.tile->accept(*this); // the technique makes its geometry at the first traversal
+    }
+
+    std::vector<TilePart> parts;
+
+    void apply(osg::Drawable& drawable) override
+    {
+        const osg::NodePath& path = getNodePath();
+        const osg::NodePath below(path.begin() + static_cast<std::ptrdiff_t>(_depth), path.end());
+        if (drawable.asGeometry())
+            parts.push_back({drawable.asGeometry(), osg::computeLocalToWorld(below)});
+    }
+
+private:
+    std::size_t _depth = 0;
+};
+} // namespace
+
+void TerrainTiles::came(const FoundTile& found)
+{
+    settle();
+    if (_registry.isTaken(found.tile->getStateSet()))
+        return; // the host takes care of it
+    const TileHandle handle = _registry.handleOf(*found.tile);
+    SceneTile* tile = _registry.find(handle);
+    if (tile)
+        return; // one that a host has added under this name
+    tile = &_registry.add(handle);
+    tile->terrain = found.tile;
+    _tiles.push_back(handle);
+    use(*tile, found, true);
+}
+
+void TerrainTiles::changed(const FoundTile& found)
+{
+    settle();
+    SceneTile* tile = _registry.find(_registry.handleOf(*found.tile));
+    if (tile && tile->terrain == found.tile)
+        use(*tile, found, false);
+    else if (!tile)
+        came(found);
+}
+
+void TerrainTiles::went(osgTerrain::TerrainTile& terrain)
+{
+    settle();
+    const TileHandle handle = _registry.handleOf(terrain);
+    SceneTile* tile = _registry.find(handle);
+    if (!tile || tile->terrain != &terrain)
+        return;
+    undoWait(*tile);
+    _binder.release(*tile);
+    _registry.remove(handle);
+    _tiles.erase(std::find(_tiles.begin(), _tiles.end(), handle));
+}
+
+void TerrainTiles::update(const TileFinder& finder, unsigned updatesBelow)
+{
+    if (updatesBelow != _updatesBelow)
+        _settling = std::max(_settling, 2); // it may look at geometry that is swapped a frame later
+    _updatesBelow = updatesBelow;
+    const bool all = _settling > 0;
+    _settling = std::max(_settling - 1, 0);
+    const std::size_t looks = all ? _tiles.size() : std::min(looksPerUpdate, _tiles.size());
+    for (std::size_t i = 0; i < looks; ++i)
+    {
+        _next = (_next + 1) % _tiles.size();
+        if (SceneTile* tile = _registry.find(_tiles[_next]))
+            look(*tile, finder);
+    }
+    _searched = true;
+}
+
+void TerrainTiles::look(SceneTile& tile, const TileFinder& finder)
+{
+    const osgTerrain::TerrainTile& terrain = *tile.terrain;
+    if (tile.withoutGeometry || !(versionOf(terrain, tile.version.toScene) == tile.version))
+        if (const std::optional<FoundTile> found = finder.find(&terrain))
+            use(tile, *found, false);
+    if (!tile.lit)
+        return;
+    LitTile& lit = *tile.lit;
+    if (tile.binding)
+        tile.binding->setHasColour(hasColour(terrain));
+    const int width = lit.lighting().width();
+    const int height = lit.lighting().height();
+    if (tile.glossPicture.follow(pictureOf(terrain, glossLayer)))
+    {
+        lit.setGloss(readTerrainGloss(terrain, glossLayer, width, height));
+        _scheduler->touch();
+    }
+    if (albedoNeeded && tile.colours.follow(pictureOf(terrain, 0)))
+    {
+        lit.setAlbedo(readTerrainAlbedo(terrain, width, height));
+        _scheduler->touch();
+    }
+    if (tile.binding && tile.byTexCoord) // the technique makes new geometry for new neighbours
+        if (const std::optional<FoundTile> found = finder.find(&terrain))
+            addTileCoordinates(terrain, PartFinder(*found).parts);
+}
+
+/// True where the tile may have been drawn by threads that are still reading what binding it
+/// changes. It then is DYNAMIC from the next frame on: updates wait for that to be drawn.
+bool TerrainTiles::waits(SceneTile& tile, const std::vector<TilePart>& parts, bool fresh)
+{
+    osgTerrain::TerrainTile& terrain = *tile.terrain;
+    const osg::StateSet* stateSet = terrain.getStateSet();
+    // What comes below a node that has searched before is new to the scene.
+    if ((_searched && fresh) ||
+        (stateSet && stateSet->getDataVariance() == osg::Object::DYNAMIC))
+        return false;
+    const bool coordinates = std::any_of(
+        parts.begin(), parts.end(),
+        [](const TilePart& part)
+        { return !part.geometry->getTexCoordArray(ShadingTexture::coordinateSet); });
+    if (!stateSet && (!coordinates || affineCoordinates(terrain, parts)))
+        return false;
+    tile.ownStateSet = !stateSet;
+    tile.theirVariance = terrain.getOrCreateStateSet()->getDataVariance();
+    terrain.getStateSet()->setDataVariance(osg::Object::DYNAMIC);
+    return true;
+}
+
+void TerrainTiles::undoWait(SceneTile& tile)
+{
+    if (tile.theirVariance && tile.ownStateSet)
+        tile.terrain->setStateSet(nullptr);
+    else if (tile.theirVariance && tile.terrain->getStateSet())
+        tile.terrain->getStateSet()->setDataVariance(*tile.theirVariance);
+    tile.theirVariance.reset();
+}
+
+void TerrainTiles::fail(SceneTile& tile, const std::string& problem)
+{
+    if (!problem.empty())
+        OSG_WARN << "osgTerrainLight: " << nameOf(*tile.terrain)
+                 << " is drawn unlit: " << problem << std::endl;
+    tile.problem = problem;
+    undoWait(tile);
+}
+
+void TerrainTiles::use(SceneTile& tile, const FoundTile& found, bool fresh)
+{
+    osgTerrain::TerrainTile& terrain = *tile.terrain;
+    const TileVersion version = versionOf(terrain, found.toScene);
+    const osg::BoundingSphere bound = inFrame(terrain.getBound(), found.toScene);
+    if (tile.lit)
+        tile.lit->setBound(bound);
+    const bool same = !fresh && tile.version == version;
+    if (same && !tile.withoutGeometry)
+        return;
+    const std::vector<TilePart> parts = PartFinder(found).parts;
+    if (same && parts.empty())
+        return;
+    _binder.release(tile);
+    tile.withoutGeometry = false;
+    tile.version = {};
+    tile.version.toScene = found.toScene;
+    if (version.layer && waits(tile, parts, fresh))
+    {
+        settle(); // its version is not this one: the next update comes here again
+        return;
+    }
+    _binder.takeFrom(terrain.getStateSet());
+    tile.version = version;
+    if (!version.layer)
+        return fail(tile, ""); // may come later
+    const Result<DemTile> dem = readTerrainTile(terrain, found.toScene);
+    if (!dem)
+        return fail(tile, dem.error().message);
+    std::optional<ShadingCoordinates> coordinates = affineCoordinates(terrain, parts);
+    tile.withoutGeometry = parts.empty();
+    tile.byTexCoord = !coordinates;
+    if (!coordinates)
+    {
+        addTileCoordinates(terrain, parts);
+        coordinates = ShadingCoordinates();
+    }
+    coordinates->frame = tileFrame(terrain, parts);
+    // Other techniques move vertices in shaders of their own.
+    const bool stock = dynamic_cast<const osgTerrain::GeometryTechnique*>(
+                           terrain.getTerrainTechnique()) != nullptr;
+    _binder.bindTerrain(tile, *dem, nameOf(terrain), *coordinates,
+                        defaultProgram && stock && !found.hasProgram);
+    tile.binding->setHasColour(hasColour(terrain));
+    tile.lit->setBound(bound);
+}
+
+} // namespace osgTerrainLight

@@ -1,0 +1,149 @@
+#include "scene/TileBinder.h"
+
+#include "scene/DisplacedProgram.h"
+
+namespace osgTerrainLight
+{
+
+void TileBinder::light(SceneTile& tile, const DemTile& dem, const std::string& name)
+{
+    tile.lit = new LitTile(name, dem, _scheduler->light());
+    _scheduler->add(tile.lit);
+}
+
+osg::ref_ptr<osg::Program> TileBinder::programOf(const SceneTile& tile, bool wanted)
+{
+    if (!wanted)
+        return nullptr;
+    if (!_programs->get(false))
+        _programs->create();
+    return new TileProgram(_programs, _scheduler, tile.lit);
+}
+
+void TileBinder::bind(SceneTile& tile, osg::StateSet* stateSet,
+                      const ShadingCoordinates& coordinates, osg::Program* program)
+{
+    tile.binding = std::make_shared<ShadingBinding>(stateSet, tile.lit->lighting().shading(),
+                                                    units.shading, coordinates, program);
+    followGloss(tile);
+}
+
+void TileBinder::bindHost(SceneTile& tile, const DemTile& dem, osg::StateSet* stateSet,
+                          const ShadingCoordinates& coordinates, bool program)
+{
+    takeFrom(stateSet);
+    light(tile, dem, "added tile");
+    bind(tile, stateSet, coordinates, programOf(tile, program));
+}
+
+void TileBinder::bindDynamic(SceneTile& tile, DynamicTerrain& terrain)
+{
+    osg::StateSet* stateSet = terrain.getOrCreateStateSet();
+    takeFrom(stateSet);
+    light(tile, terrain.getTile(), "dynamic terrain");
+    const bool ours = dynamic_cast<const DisplacedProgram*>(
+                          stateSet->getAttribute(osg::StateAttribute::PROGRAM)) != nullptr;
+    const osg::ref_ptr<osg::Program> program =
+        ours ? new DisplacedProgram(_programs, _scheduler, tile.lit) : nullptr;
+    bind(tile, stateSet, {}, program);
+    tile.dynamic = &terrain;
+    followHeights(tile);
+}
+
+void TileBinder::bindTerrain(SceneTile& tile, const DemTile& dem, const std::string& name,
+                             const ShadingCoordinates& coordinates, bool program)
+{
+    light(tile, dem, name);
+    if (!tile.theirVariance)
+        tile.ownStateSet = !tile.terrain->getStateSet();
+    bind(tile, tile.terrain->getOrCreateStateSet(), coordinates, programOf(tile, program));
+    if (tile.theirVariance)
+        tile.binding->setTheirVariance(*tile.theirVariance);
+    tile.theirVariance.reset();
+}
+
+void TileBinder::release(SceneTile& tile)
+{
+    if (tile.lit)
+    {
+        _scheduler->remove(tile.lit);
+        for (const StageCost& cost : tile.lit->lighting().costs())
+            _pastDispatches[cost.name] += cost.dispatches;
+    }
+    if (tile.binding)
+        _retired.push_back({std::move(tile.binding),
+                            tile.ownStateSet ? tile.terrain : osg::ref_ptr<osgTerrain::TerrainTile>()});
+    tile.lit = nullptr;
+    tile.binding = nullptr;
+    tile.colours = {};
+    tile.glossPicture = {};
+    tile.problem.clear();
+}
+
+void TileBinder::retire()
+{
+    for (Retired& retired : _retired)
+        --retired.updates;
+    while (!_retired.empty() && _retired.front().updates <= 0)
+    {
+        take(_retired.front());
+        _retired.pop_front();
+    }
+}
+
+void TileBinder::take(Retired& retired)
+{
+    const osg::ref_ptr<osg::StateSet> stateSet = retired.binding->stateSet();
+    retired.binding.reset();
+    const osg::ref_ptr<osg::StateSet> empty = new osg::StateSet;
+    if (retired.emptied && retired.emptied->getStateSet() == stateSet &&
+        stateSet->compare(*empty, true) == 0)
+        retired.emptied->setStateSet(nullptr);
+}
+
+void TileBinder::takeFrom(const osg::StateSet* stateSet)
+{
+    for (auto i = _retired.begin(); stateSet && i != _retired.end();)
+        if (i->binding->stateSet() == stateSet)
+        {
+            take(*i);
+            i = _retired.erase(i);
+        }
+        else
+            ++i;
+}
+
+void TileBinder::followGloss(SceneTile& tile)
+{
+    if (!tile.binding)
+        return;
+    const osg::ref_ptr<osg::Texture2DArray> light = tile.lit->glossLight();
+    if (light == tile.binding->gloss())
+        return;
+    tile.binding->setGloss(light, units.gloss);
+    tile.lit->glossy = light.valid();
+    if (light)
+    {
+        tile.lit->forget(~0u);
+        _scheduler->touch();
+    }
+}
+
+void TileBinder::followHeights(SceneTile& tile)
+{
+    const DynamicTerrain& terrain = *tile.dynamic;
+    tile.binding->setHasColour(
+        terrain.getStateSet() &&
+        terrain.getStateSet()->getTextureAttribute(0, osg::StateAttribute::TEXTURE));
+    if (terrain.getHeightRevision() == tile.heightRevision)
+        return;
+    tile.heightRevision = terrain.getHeightRevision();
+    if (tile.heights == terrain.getHeightTexture())
+        tile.lit->touchHeights();
+    else
+        tile.lit->setHeightTexture(terrain.getHeightTexture());
+    tile.heights = terrain.getHeightTexture();
+    _scheduler->touch();
+}
+
+} // namespace osgTerrainLight

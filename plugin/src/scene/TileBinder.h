@@ -1,0 +1,77 @@
+#pragma once
+
+#include "scene/SceneTile.h"
+#include "scene/Scheduler.h"
+#include "scene/TilePrograms.h"
+
+#include <deque>
+#include <map>
+#include <string>
+
+namespace osgTerrainLight
+{
+
+/// Texture units that tiles are bound with; those that are bound already keep theirs.
+struct TileUnits
+{
+    unsigned shading = ShadingTexture::defaultUnit;
+    unsigned gloss = ShadingTexture::glossUnit;
+};
+
+/// Gives tiles light and binds it to their StateSets, and takes it off again once no frame uses it.
+/// In update traversal.
+class TileBinder
+{
+public:
+    TileBinder(Scheduler* scheduler, TilePrograms* programs)
+        : _scheduler(scheduler), _programs(programs)
+    {
+    }
+
+    TileUnits units;
+
+    /// A host's terrain. Precondition: its StateSet has no tile.
+    void bindHost(SceneTile& tile, const DemTile& dem, osg::StateSet* stateSet,
+                  const ShadingCoordinates& coordinates, bool program);
+    void bindDynamic(SceneTile& tile, DynamicTerrain& terrain);
+    /// A terrain tile that was found.
+    void bindTerrain(SceneTile& tile, const DemTile& dem, const std::string& name,
+                     const ShadingCoordinates& coordinates, bool program);
+
+    /// Takes the light off the tile, a few updates later from its StateSet: frames that are still
+    /// being drawn use it.
+    void release(SceneTile& tile);
+    /// Once per update.
+    void retire();
+    /// Removes what is still bound to a StateSet that is about to be bound anew.
+    void takeFrom(const osg::StateSet* stateSet);
+
+    /// Binds light sent by gloss where there is now some. Until it is computed the tile waits.
+    void followGloss(SceneTile& tile);
+    /// Hands on heights of dynamic terrain that have changed.
+    void followHeights(SceneTile& tile);
+
+    /// Dispatches of tiles that are gone.
+    const std::map<std::string, unsigned>& pastDispatches() const { return _pastDispatches; }
+
+private:
+    /// A binding that frames still being drawn may use.
+    struct Retired
+    {
+        std::shared_ptr<ShadingBinding> binding;
+        osg::ref_ptr<osgTerrain::TerrainTile> emptied; ///< its StateSet is ours to take off
+        int updates = 3;                               ///< frames that a threaded viewer has going
+    };
+    void light(SceneTile& tile, const DemTile& dem, const std::string& name);
+    void bind(SceneTile& tile, osg::StateSet* stateSet, const ShadingCoordinates& coordinates,
+              osg::Program* program);
+    osg::ref_ptr<osg::Program> programOf(const SceneTile& tile, bool wanted);
+    static void take(Retired& retired);
+
+    osg::ref_ptr<Scheduler> _scheduler;
+    osg::ref_ptr<TilePrograms> _programs;
+    std::deque<Retired> _retired;
+    std::map<std::string, unsigned> _pastDispatches;
+};
+
+} // namespace osgTerrainLight

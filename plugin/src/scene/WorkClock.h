@@ -1,0 +1,45 @@
+#pragma once
+
+#include <osg/State>
+
+#include <chrono>
+#include <deque>
+
+namespace osgTerrainLight
+{
+
+/// How long the steps of a frame take on the GPU, without waiting for them. Software OpenGL runs a
+/// dispatch before the call returns, so the clock on the wall has seen it. On hardware dispatches
+/// are queued: timer queries of earlier steps, read once their results are there, tell what to
+/// expect of a step on so many posts. One per context; all but spent() need it current.
+class WorkClock
+{
+public:
+    /// Starts a frame's work.
+    void begin(osg::State& state);
+    /// A step on a tile of so many posts has been queued, or run.
+    void step(osg::State& state, double posts);
+    /// Of the frame's steps so far: measured or expected, whichever is more [ms].
+    double spent() const;
+    /// Steps since begin().
+    unsigned steps() const { return _steps; }
+
+private:
+    /// A point on the GPU's time line: where a frame's work begins, or a step ends.
+    struct Mark
+    {
+        GLuint query = 0;
+        double posts = 0.0; ///< of the step that ends here; 0: none does
+    };
+    void mark(osg::State& state, double posts);
+    void collect(osg::State& state);
+
+    std::deque<Mark> _marks; ///< whose times have not been read
+    GLuint64 _last = 0;      ///< time of the mark before those [ns]
+    double _perPost = 0.0;   ///< expected [ms], a moving mean
+    double _expected = 0.0;  ///< of this frame's steps [ms]
+    unsigned _steps = 0;
+    std::chrono::steady_clock::time_point _start;
+};
+
+} // namespace osgTerrainLight
