@@ -2,6 +2,7 @@
 #include "RenderCamera.h"
 
 #include "io/LightParameters.h"
+#include "osgdb/Register.h"
 
 #include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/TerrainLighting.h>
@@ -18,7 +19,6 @@
 #include <osgViewer/Viewer>
 
 #include <algorithm>
-#include <dlfcn.h>
 
 namespace osgTerrainLight::tool
 {
@@ -39,15 +39,6 @@ struct Options
     CameraPlace camera;
     int frames = 100;
 };
-
-/// The folder of our library holds that of its plugin, in the build tree as where it is installed.
-void findOwnPlugin()
-{
-    Dl_info library;
-    if (dladdr(reinterpret_cast<const void*>(&ParameterRange::all), &library) == 0)
-        return;
-    osgDB::Registry::instance()->getLibraryFilePathList().push_front(CPLGetPath(library.dli_fname));
-}
 
 /// DEMs and maps go to our reader, which is asked for by a second extension; anything else to its
 /// own.
@@ -103,7 +94,8 @@ std::string readerOptions(const CLI::App& app, const Options& options)
 
 Result<osg::ref_ptr<osg::Node>> load(const CLI::App& app, const Options& options)
 {
-    findOwnPlugin();
+    registerReader();
+    registerSerializers();
     const osg::ref_ptr<osgDB::Options> reading = new osgDB::Options(readerOptions(app, options));
     osgDB::ReaderWriter::ReadResult result =
         osgDB::Registry::instance()->readNode(readableName(options.scene), reading);

@@ -187,7 +187,7 @@ TEST(Day, KeysWithoutAPlaceSayWhatIsNeeded)
 
 TEST(Day, PluginTakesTimeAndPlace)
 {
-    usePluginsOfThisBuild();
+    useOwnPlugins();
     const auto read = [](const std::string& name, const std::string& options)
     { return osgDB::Registry::instance()->readNode(name, new osgDB::Options(options)); };
     const auto lightingOf = [](osgDB::ReaderWriter::ReadResult& result)

@@ -31,7 +31,7 @@ const std::string dem = OTL_SOURCE_DIR "/samples/data/jacksboro_90m.tif";
 
 osgDB::ReaderWriter::ReadResult read(const std::string& name, const std::string& options = "")
 {
-    usePluginsOfThisBuild();
+    useOwnPlugins();
     return osgDB::Registry::instance()->readNode(name, new osgDB::Options(options));
 }
 
@@ -217,7 +217,7 @@ TEST(Plugin, RefusesOptionsByName)
 TEST(Plugin, TellsNotHandledFromNotFoundFromFailed)
 {
     using Result = osgDB::ReaderWriter::ReadResult;
-    usePluginsOfThisBuild();
+    useOwnPlugins();
     osgDB::ReaderWriter* reader =
         osgDB::Registry::instance()->getReaderWriterForExtension("terrainlight");
     ASSERT_TRUE(reader);
@@ -233,7 +233,7 @@ TEST(Plugin, TellsNotHandledFromNotFoundFromFailed)
 
 TEST(Plugin, WrapsAScene)
 {
-    usePluginsOfThisBuild();
+    useOwnPlugins();
     const Folder folder;
     osg::ref_ptr<osg::Group> scene = new osg::Group;
     scene->setName("the scene");
@@ -249,7 +249,7 @@ TEST(Plugin, WrapsAScene)
 
 TEST(Plugin, FindsFilesOnTheDataPathAndMapsOfStreams)
 {
-    usePluginsOfThisBuild();
+    useOwnPlugins();
     osg::ref_ptr<osgDB::Options> options = new osgDB::Options;
     options->getDatabasePathList().push_back(OTL_SOURCE_DIR "/samples/data");
     EXPECT_TRUE(osgDB::readRefNodeFile("jacksboro_90m.tif.terrainlight", options));

@@ -714,7 +714,7 @@ TEST(TerrainLighting, RefusesValuesOutsideTheirRange)
 
 TEST(TerrainLighting, GoesThroughAFileAndBack)
 {
-    usePluginsOfThisBuild();
+    useOwnPlugins();
     osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
     SkyLight sky;
     sky.sunAzimuth = 123.25;

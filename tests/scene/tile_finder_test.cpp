@@ -33,7 +33,7 @@ osg::ref_ptr<osgTerrain::TerrainTile> tileNamed(const std::string& name)
     return tile;
 }
 
-struct Scene : TileFinder::Listener
+struct Scene final : TileFinder::Listener
 {
     osg::ref_ptr<Root> root = new Root;
     std::vector<std::string> said;
@@ -63,7 +63,6 @@ struct Scene : TileFinder::Listener
         update();
         return root->finder.visits() - before;
     }
-    ~Scene() = default;
 };
 
 using Said = std::vector<std::string>;
@@ -184,6 +183,8 @@ TEST(TileFinder, ANewTileAtAnOldAddressIsNew)
         EXPECT_EQ(scene.update().back(), "came a 0");
         scene.root->removeChild(0, 1);
         if (i % 2)
+        {
             EXPECT_EQ(scene.update(), Said{"went a"});
+        }
     }
 }

@@ -1,6 +1,6 @@
 #include "support/ScenePicture.h"
 
-#include <osgDB/Registry>
+#include "osgdb/Register.h"
 
 #include <cmath>
 
@@ -97,12 +97,10 @@ int Said::count(const std::string& part) const
     return count;
 }
 
-void usePluginsOfThisBuild()
+void useOwnPlugins()
 {
-    osgDB::FilePathList& paths = osgDB::Registry::instance()->getLibraryFilePathList();
-    const std::string ours = std::string(OTL_BINARY_DIR) + "/lib";
-    if (paths.empty() || paths.front() != ours)
-        paths.push_front(ours);
+    registerReader();
+    registerSerializers();
 }
 
 } // namespace osgTerrainLight

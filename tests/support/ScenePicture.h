@@ -58,7 +58,8 @@ private:
     osg::ref_ptr<osg::NotifyHandler> _before;
 };
 
-/// Lets osgDB find the plugins of this build.
-void usePluginsOfThisBuild();
+/// Gives osgDB the reader and the serializers that this program holds. The modules must not be
+/// loaded besides: they bring a second copy of the library. tests/scene/viewer_test.cpp has those.
+void useOwnPlugins();
 
 } // namespace osgTerrainLight

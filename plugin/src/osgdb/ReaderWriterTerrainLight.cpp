@@ -1,3 +1,5 @@
+#include "osgdb/Register.h"
+
 #include "io/EarthFile.h"
 #include "io/LightParameters.h"
 #include "scene/TerrainModel.h"
@@ -193,6 +195,9 @@ private:
     }
 };
 
-REGISTER_OSGPLUGIN(terrainlight, ReaderWriterTerrainLight)
+void registerReader()
+{
+    static const osgDB::RegisterReaderWriterProxy<ReaderWriterTerrainLight> proxy;
+}
 
 } // namespace osgTerrainLight

@@ -1,3 +1,5 @@
+#include "osgdb/Register.h"
+
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include <osgTerrainLight/Environment.h>
@@ -292,10 +294,14 @@ static bool writeSettings(osgDB::OutputStream& os, const osgTerrainLight::Terrai
     return true;
 }
 
-REGISTER_OBJECT_WRAPPER(osgTerrainLight_TerrainLighting, new osgTerrainLight::TerrainLighting,
-                        osgTerrainLight::TerrainLighting,
-                        "osg::Object osg::Node osg::Group osgTerrainLight::TerrainLighting")
+static osg::Object* createLighting()
 {
+    return new osgTerrainLight::TerrainLighting;
+}
+
+static void addLightingProperties(osgDB::ObjectWrapper* wrapper)
+{
+    typedef osgTerrainLight::TerrainLighting MyClass; // by this name OSG's macros know it
     ADD_USER_SERIALIZER(SkyLight);
     ADD_USER_SERIALIZER(Settings);
     ADD_USER_SERIALIZER(SkyHarmonics);
@@ -310,12 +316,27 @@ REGISTER_OBJECT_WRAPPER(osgTerrainLight_TerrainLighting, new osgTerrainLight::Te
     ADD_INT_SERIALIZER(GlossLayer, -1);
 }
 
-namespace handler // each wrapper's macro declares MyClass
+static osg::Object* createHandler()
 {
-REGISTER_OBJECT_WRAPPER(osgTerrainLight_LightingHandler, new osgTerrainLight::LightingHandler,
-                        osgTerrainLight::LightingHandler,
-                        "osg::Object osg::Callback osg::NodeCallback "
-                        "osgTerrainLight::LightingHandler")
-{
+    return new osgTerrainLight::LightingHandler;
 }
-} // namespace handler
+
+static void addHandlerProperties(osgDB::ObjectWrapper*) {}
+
+namespace osgTerrainLight
+{
+
+void registerSerializers()
+{
+    // REGISTER_OBJECT_WRAPPER would do it when the library is loaded, in applications that only
+    // link it too.
+    static const osgDB::RegisterWrapperProxy lighting(
+        createLighting, "osgTerrainLight::TerrainLighting",
+        "osg::Object osg::Node osg::Group osgTerrainLight::TerrainLighting", addLightingProperties);
+    static const osgDB::RegisterWrapperProxy handler(
+        createHandler, "osgTerrainLight::LightingHandler",
+        "osg::Object osg::Callback osg::NodeCallback osgTerrainLight::LightingHandler",
+        addHandlerProperties);
+}
+
+} // namespace osgTerrainLight

@@ -7,7 +7,8 @@ namespace osgTerrainLight
 
 DisplacedProgram::DisplacedProgram(const TilePrograms* programs, const Scheduler* scheduler,
                                    const LitTile* tile)
-    : _programs(programs), _scheduler(scheduler), _tile(tile), _lit(tile ? createDisplacedProgram(true) : nullptr),
+    : _programs(programs), _scheduler(scheduler), _tile(tile),
+      _lit(tile ? createDisplacedProgram(true) : nullptr),
       _glossy(tile ? createDisplacedProgram(true, true) : nullptr),
       _unlit(createDisplacedProgram(false))
 {

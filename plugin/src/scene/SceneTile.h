@@ -55,7 +55,7 @@ struct SceneTile
     TileHandle handle;
     osg::ref_ptr<LitTile> lit; ///< null: a terrain tile that cannot be lit, or not yet
     std::shared_ptr<ShadingBinding> binding;
-    std::string problem; ///< why it cannot be lit
+    std::string problem;   ///< why it cannot be lit
     bool hasGloss = false; ///< per post, of its host
 
     // Of a DynamicTerrain.
@@ -70,6 +70,7 @@ struct SceneTile
     bool ownStateSet = false;             ///< the terrain tile had none before
     /// Of a StateSet that has been made DYNAMIC and is bound at the next update.
     std::optional<osg::Object::DataVariance> theirVariance;
+    bool justDynamic = false; ///< made so in this update: it is not bound before the next
     bool byTexCoord = false;
     bool withoutGeometry = false; ///< when it was bound: its technique makes it late
 };

@@ -79,9 +79,9 @@ bool Scheduler::isDone(unsigned context) const
 bool Scheduler::isDone() const
 {
     Lock lock(_mutex);
-    return !_contexts.empty() && std::all_of(_contexts.begin(), _contexts.end(),
-                                             [this](const auto& each)
-                                             { return isDone(each.second); });
+    return !_contexts.empty() &&
+           std::all_of(_contexts.begin(), _contexts.end(),
+                       [this](const auto& each) { return isDone(each.second); });
 }
 
 std::string Scheduler::failure() const

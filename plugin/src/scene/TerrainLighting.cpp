@@ -61,8 +61,8 @@ osg::BoundingSphere boundOf(const osg::StateSet& stateSet, osg::Group& root)
 bool isTileSized(const SceneTile& tile, std::size_t posts)
 {
     const TileLight& lighting = tile.lit->lighting();
-    return posts == static_cast<std::size_t>(lighting.width()) *
-                        static_cast<std::size_t>(lighting.height());
+    return posts ==
+           static_cast<std::size_t>(lighting.width()) * static_cast<std::size_t>(lighting.height());
 }
 
 /// Values per post, row 0 south, as a raster; empty where there are none.
@@ -133,7 +133,7 @@ struct TerrainLighting::Implementation
     TerrainTiles terrain;
     TileFinder finder;
     ProbeList probes;
-    osg::ref_ptr<osg::StateSet> uniforms; ///< on all below
+    osg::ref_ptr<osg::StateSet> uniforms;      ///< on all below
     osg::ref_ptr<osg::Texture2DArray> noGloss; ///< null until some of the ground may be glossy
     long long shaders = ShaderLibrary::instance().revision();
     unsigned glossRevision = 0; ///< of the scheduler, when bindings followed it
@@ -502,12 +502,12 @@ bool TerrainLighting::setTileHeights(const TileHandle& handle, const std::vector
 bool TerrainLighting::setTileAlbedo(const TileHandle& handle, const std::vector<Rgb>& albedo)
 {
     SceneTile* tile = _implementation->hosts(handle);
-    const bool legal = std::all_of(albedo.begin(), albedo.end(),
-                                   [](const Rgb& post)
-                                   {
-                                       return std::all_of(post.begin(), post.end(), [](float c)
-                                                          { return c >= 0.0f && c <= 1.0f; });
-                                   });
+    const bool legal =
+        std::all_of(albedo.begin(), albedo.end(),
+                    [](const Rgb& post) {
+                        return std::all_of(post.begin(), post.end(),
+                                           [](float c) { return c >= 0.0f && c <= 1.0f; });
+                    });
     if (!tile || !legal || (!albedo.empty() && !isTileSized(*tile, albedo.size())))
     {
         warn("albedo of tile not set: needs a tile that was added, and a colour of 0 ... 1 per "
@@ -526,8 +526,7 @@ bool TerrainLighting::setTileGloss(const TileHandle& handle,
     std::string problem = gloss.empty() ? "" : here.glossProblem();
     SceneTile* tile = here.hosts(handle);
     const bool legal = std::all_of(gloss.begin(), gloss.end(),
-                                   [](const std::array<float, 2>& post)
-                                   {
+                                   [](const std::array<float, 2>& post) {
                                        return post[0] >= 0.0f && post[0] <= 1.0f &&
                                               post[1] >= 1.0f && post[1] <= 64.0f;
                                    });
@@ -576,8 +575,7 @@ TileState TerrainLighting::getTileState(const TileHandle& handle) const
         return tile->lit->state();
     if (tile)
     {
-        state.stage =
-            tile->problem.empty() ? TileState::Stage::Waiting : TileState::Stage::Failed;
+        state.stage = tile->problem.empty() ? TileState::Stage::Waiting : TileState::Stage::Failed;
         state.reason = tile->problem;
     }
     return state;

@@ -4,6 +4,7 @@
 #include <osgTerrain/GeometryTechnique>
 
 #include <algorithm>
+#include <utility>
 
 namespace osgTerrainLight
 {
@@ -113,6 +114,8 @@ void TerrainTiles::update(const TileFinder& finder, unsigned updatesBelow)
 
 void TerrainTiles::look(SceneTile& tile, const TileFinder& finder)
 {
+    if (std::exchange(tile.justDynamic, false))
+        return;
     const osgTerrain::TerrainTile& terrain = *tile.terrain;
     if (tile.withoutGeometry || !(versionOf(terrain, tile.version.toScene) == tile.version))
         if (const std::optional<FoundTile> found = finder.find(&terrain))
@@ -146,13 +149,12 @@ bool TerrainTiles::waits(SceneTile& tile, const std::vector<TilePart>& parts, bo
     osgTerrain::TerrainTile& terrain = *tile.terrain;
     const osg::StateSet* stateSet = terrain.getStateSet();
     // What comes below a node that has searched before is new to the scene.
-    if ((_searched && fresh) ||
-        (stateSet && stateSet->getDataVariance() == osg::Object::DYNAMIC))
+    if ((_searched && fresh) || (stateSet && stateSet->getDataVariance() == osg::Object::DYNAMIC))
         return false;
-    const bool coordinates = std::any_of(
-        parts.begin(), parts.end(),
-        [](const TilePart& part)
-        { return !part.geometry->getTexCoordArray(ShadingTexture::coordinateSet); });
+    const bool coordinates =
+        std::any_of(parts.begin(), parts.end(),
+                    [](const TilePart& part)
+                    { return !part.geometry->getTexCoordArray(ShadingTexture::coordinateSet); });
     if (!stateSet && (!coordinates || affineCoordinates(terrain, parts)))
         return false;
     tile.ownStateSet = !stateSet;
@@ -173,8 +175,8 @@ void TerrainTiles::undoWait(SceneTile& tile)
 void TerrainTiles::fail(SceneTile& tile, const std::string& problem)
 {
     if (!problem.empty())
-        OSG_WARN << "osgTerrainLight: " << nameOf(*tile.terrain)
-                 << " is drawn unlit: " << problem << std::endl;
+        OSG_WARN << "osgTerrainLight: " << nameOf(*tile.terrain) << " is drawn unlit: " << problem
+                 << std::endl;
     tile.problem = problem;
     undoWait(tile);
 }
@@ -199,6 +201,7 @@ void TerrainTiles::use(SceneTile& tile, const FoundTile& found, bool fresh)
     if (version.layer && waits(tile, parts, fresh))
     {
         settle(); // its version is not this one: the next update comes here again
+        tile.justDynamic = true;
         return;
     }
     _binder.takeFrom(terrain.getStateSet());

@@ -71,8 +71,9 @@ void TileBinder::release(SceneTile& tile)
             _pastDispatches[cost.name] += cost.dispatches;
     }
     if (tile.binding)
-        _retired.push_back({std::move(tile.binding),
-                            tile.ownStateSet ? tile.terrain : osg::ref_ptr<osgTerrain::TerrainTile>()});
+        _retired.push_back(
+            {std::move(tile.binding),
+             tile.ownStateSet ? tile.terrain : osg::ref_ptr<osgTerrain::TerrainTile>()});
     tile.lit = nullptr;
     tile.binding = nullptr;
     tile.colours = {};
@@ -132,9 +133,8 @@ void TileBinder::followGloss(SceneTile& tile)
 void TileBinder::followHeights(SceneTile& tile)
 {
     const DynamicTerrain& terrain = *tile.dynamic;
-    tile.binding->setHasColour(
-        terrain.getStateSet() &&
-        terrain.getStateSet()->getTextureAttribute(0, osg::StateAttribute::TEXTURE));
+    tile.binding->setHasColour(terrain.getStateSet() && terrain.getStateSet()->getTextureAttribute(
+                                                            0, osg::StateAttribute::TEXTURE));
     if (terrain.getHeightRevision() == tile.heightRevision)
         return;
     tile.heightRevision = terrain.getHeightRevision();

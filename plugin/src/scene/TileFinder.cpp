@@ -46,8 +46,8 @@ osg::BoundingSphere inFrame(const osg::BoundingSphere& bound, const osg::Matrixd
         return bound;
     double scale = 0.0;
     for (int row = 0; row < 3; ++row)
-        scale = std::max(scale,
-                         osg::Vec3d(matrix(row, 0), matrix(row, 1), matrix(row, 2)).length());
+        scale =
+            std::max(scale, osg::Vec3d(matrix(row, 0), matrix(row, 1), matrix(row, 2)).length());
     return {osg::Vec3d(bound.center()) * matrix, bound.radius() * static_cast<float>(scale)};
 }
 
@@ -65,8 +65,8 @@ struct TileFinder::Branch
     Branch* parent;
     osg::Matrixd toScene; ///< from the frame of its children
     bool hasProgram = false;
-    bool fresh = true; ///< has not been visited
-    bool dirty = true; ///< its bound was, since it was visited last
+    bool fresh = true;                          ///< has not been visited
+    bool dirty = true;                          ///< its bound was, since it was visited last
     osg::ref_ptr<osgTerrain::TerrainTile> tile; ///< the node, where it is one
     std::vector<std::unique_ptr<Branch>> children;
 };
@@ -113,9 +113,8 @@ bool TileFinder::place(Branch& branch)
         else
             transform->computeLocalToWorldMatrix(toScene, nullptr);
     }
-    branch.hasProgram = branch.parent
-                            ? branch.parent->hasProgram || bringsProgram(*branch.node)
-                            : hasProgramAbove(*branch.node->asGroup());
+    branch.hasProgram = branch.parent ? branch.parent->hasProgram || bringsProgram(*branch.node)
+                                      : hasProgramAbove(*branch.node->asGroup());
     const bool moved = !(toScene == branch.toScene);
     branch.toScene = toScene;
     return moved;
@@ -179,9 +178,8 @@ void TileFinder::visit(Branch& branch, bool whole, Listener& listener)
     else
     {
         const bool explained =
-            match(branch, listener) ||
-            std::any_of(branch.children.begin(), branch.children.end(),
-                        [](const auto& child) { return child->dirty; });
+            match(branch, listener) || std::any_of(branch.children.begin(), branch.children.end(),
+                                                   [](const auto& child) { return child->dirty; });
         // Where no reason is seen, a bound in between has been asked for before that of the root.
         whole = whole || moved || !explained;
         for (const auto& child : branch.children)
