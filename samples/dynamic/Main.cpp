@@ -259,6 +259,8 @@ int main(int argc, char** argv)
     viewer.addEventHandler(new LightingHandler(lit));
     viewer.addEventHandler(new Digger(*ground, shown));
     if (frames > 0)
+        lit->setTimeBudget(0.0); // all light in the frame that it is for: frames are timed
+    if (frames > 0)
         return drawFrames(viewer, *lit, ground->tile, frames, picture);
     viewer.addEventHandler(new osgViewer::StatsHandler);
     return viewer.run();

@@ -20,244 +20,268 @@
 
 using namespace osgTerrainLight;
 
-namespace {
+namespace
+{
 constexpr double reach = 320.0;
 
-osg::ref_ptr<TerrainLighting> lightingWithBudget(double milliseconds) {
-  osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
-  lighting->setTimeBudget(milliseconds);
-  LightingSettings settings;
-  settings.azimuths = 8;
-  lighting->setSettings(settings);
-  return lighting;
+osg::ref_ptr<TerrainLighting> lightingWithBudget(double milliseconds)
+{
+    osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
+    lighting->setTimeBudget(milliseconds);
+    LightingSettings settings;
+    settings.azimuths = 8;
+    lighting->setSettings(settings);
+    return lighting;
 }
 
 /// A cone of 640 m across, moved east; its tile has an ID where level >= 0.
-osg::ref_ptr<osg::MatrixTransform> coneAt(double east, int level = -1,
-                                          int x = 0) {
-  osg::ref_ptr<osg::Node> terrain =
-      createTerrain(analytic::cone(33, 33, 20.0, 16, 16, 200.0, 200.0));
-  auto *tile =
-      dynamic_cast<osgTerrain::TerrainTile *>(terrain->asGroup()->getChild(0));
-  if (level >= 0)
-    tile->setTileID(osgTerrain::TileID(level, x, 0));
-  osg::ref_ptr<osg::MatrixTransform> place =
-      new osg::MatrixTransform(osg::Matrix::translate(east, 0.0, 0.0));
-  place->addChild(terrain);
-  return place;
+osg::ref_ptr<osg::MatrixTransform> coneAt(double east, int level = -1, int x = 0)
+{
+    osg::ref_ptr<osg::Node> terrain =
+        createTerrain(analytic::cone(33, 33, 20.0, 16, 16, 200.0, 200.0));
+    auto* tile = dynamic_cast<osgTerrain::TerrainTile*>(terrain->asGroup()->getChild(0));
+    if (level >= 0)
+        tile->setTileID(osgTerrain::TileID(level, x, 0));
+    osg::ref_ptr<osg::MatrixTransform> place =
+        new osg::MatrixTransform(osg::Matrix::translate(east, 0.0, 0.0));
+    place->addChild(terrain);
+    return place;
 }
 
-osgTerrain::TerrainTile *tileOf(osg::MatrixTransform &place) {
-  return dynamic_cast<osgTerrain::TerrainTile *>(
-      place.getChild(0)->asGroup()->getChild(0));
+osgTerrain::TerrainTile* tileOf(osg::MatrixTransform& place)
+{
+    return dynamic_cast<osgTerrain::TerrainTile*>(place.getChild(0)->asGroup()->getChild(0));
 }
 
-osg::ref_ptr<osg::Geometry> quad() {
-  osg::ref_ptr<osg::Geometry> geometry = osg::createTexturedQuadGeometry(
-      osg::Vec3(-320, -320, 0), osg::Vec3(640, 0, 0), osg::Vec3(0, 640, 0));
-  geometry->setTexCoordArray(ShadingTexture::coordinateSet,
-                             geometry->getTexCoordArray(0));
-  return geometry;
+osg::ref_ptr<osg::Geometry> quad()
+{
+    osg::ref_ptr<osg::Geometry> geometry = osg::createTexturedQuadGeometry(
+        osg::Vec3(-320, -320, 0), osg::Vec3(640, 0, 0), osg::Vec3(0, 640, 0));
+    geometry->setTexCoordArray(ShadingTexture::coordinateSet, geometry->getTexCoordArray(0));
+    return geometry;
 }
 } // namespace
 
-TEST(Tiles, HaveHandlesByLevelAndPlaceOrByNumber) {
-  const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0);
-  const auto named = coneAt(0.0, 3, 7);
-  const auto twin = coneAt(640.0, 3, 7); // has the same ID, in another database
-  const auto nameless = coneAt(1280.0);
-  const TileHandle name = lighting->getTileHandle(tileOf(*named));
-  EXPECT_EQ(name, TileHandle::at(3, 7, 0));
-  const TileHandle other = lighting->getTileHandle(tileOf(*twin));
-  const TileHandle number = lighting->getTileHandle(tileOf(*nameless));
-  EXPECT_TRUE(other && number);
-  EXPECT_EQ(other.level, -1);
-  EXPECT_NE(other, number);
-  EXPECT_EQ(number, lighting->getTileHandle(tileOf(*nameless))) << "it stays";
-  EXPECT_FALSE(lighting->getTileHandle(nullptr));
-  EXPECT_EQ(lighting->getTileState(name).stage, TileState::Stage::Unknown)
-      << "not found yet";
+TEST(Tiles, HaveHandlesByLevelAndPlaceOrByNumber)
+{
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0);
+    const auto named = coneAt(0.0, 3, 7);
+    const auto twin = coneAt(640.0, 3, 7); // has the same ID, in another database
+    const auto nameless = coneAt(1280.0);
+    const TileHandle name = lighting->getTileHandle(tileOf(*named));
+    EXPECT_EQ(name, TileHandle::at(3, 7, 0));
+    const TileHandle other = lighting->getTileHandle(tileOf(*twin));
+    const TileHandle number = lighting->getTileHandle(tileOf(*nameless));
+    EXPECT_TRUE(other && number);
+    EXPECT_EQ(other.level, -1);
+    EXPECT_NE(other, number);
+    EXPECT_EQ(number, lighting->getTileHandle(tileOf(*nameless))) << "it stays";
+    EXPECT_FALSE(lighting->getTileHandle(nullptr));
+    EXPECT_EQ(lighting->getTileState(name).stage, TileState::Stage::Unknown) << "not found yet";
 
-  const osg::ref_ptr<osg::StateSet> first = new osg::StateSet,
-                                    second = new osg::StateSet;
-  const DemTile dem = analytic::plane(5, 5, 10.0, 0.0);
-  EXPECT_EQ(lighting->addTile(dem, first, {}, false, TileHandle::at(1, 2, 3)),
-            TileHandle::at(1, 2, 3));
-  Said said;
-  EXPECT_FALSE(
-      lighting->addTile(dem, second, {}, false, TileHandle::at(1, 2, 3)));
-  EXPECT_EQ(said.count("tile not added"), 1);
-  EXPECT_EQ(lighting->getTileState(TileHandle::at(1, 2, 3)).stage,
-            TileState::Stage::Waiting);
-  EXPECT_FALSE(lighting->setTileHeights(TileHandle::at(9, 9, 9), {}));
-  EXPECT_FALSE(
-      lighting->setTileAlbedo(TileHandle::at(1, 2, 3), {{0.5f, 0.5f, 0.5f}}));
-  EXPECT_EQ(said.count("of tile not set"), 2);
-  EXPECT_TRUE(lighting->removeTile(TileHandle::at(1, 2, 3)));
-  EXPECT_FALSE(lighting->removeTile(TileHandle::at(1, 2, 3)));
-  EXPECT_EQ(lighting->getTileState(TileHandle::at(1, 2, 3)).stage,
-            TileState::Stage::Unknown);
+    const osg::ref_ptr<osg::StateSet> first = new osg::StateSet, second = new osg::StateSet;
+    const DemTile dem = analytic::plane(5, 5, 10.0, 0.0);
+    EXPECT_EQ(lighting->addTile(dem, first, {}, false, TileHandle::at(1, 2, 3)),
+              TileHandle::at(1, 2, 3));
+    Said said;
+    EXPECT_FALSE(lighting->addTile(dem, second, {}, false, TileHandle::at(1, 2, 3)));
+    EXPECT_EQ(said.count("tile not added"), 1);
+    EXPECT_EQ(lighting->getTileState(TileHandle::at(1, 2, 3)).stage, TileState::Stage::Waiting);
+    EXPECT_FALSE(lighting->setTileHeights(TileHandle::at(9, 9, 9), {}));
+    EXPECT_FALSE(lighting->setTileAlbedo(TileHandle::at(1, 2, 3), {{0.5f, 0.5f, 0.5f}}));
+    EXPECT_EQ(said.count("of tile not set"), 2);
+    EXPECT_TRUE(lighting->removeTile(TileHandle::at(1, 2, 3)));
+    EXPECT_FALSE(lighting->removeTile(TileHandle::at(1, 2, 3)));
+    EXPECT_EQ(lighting->getTileState(TileHandle::at(1, 2, 3)).stage, TileState::Stage::Unknown);
 }
 
 // Expected: with time for one step a frame (horizon, sky, sun, shade), the tile
 // in view is lit after four frames, then the nearer of the two beside it. They
 // were added in the other order.
-TEST(Tiles, TheOneThatIsSeenBestComesFirst) {
-  OTL_NEED_GL(context);
-  const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(1.0e-6);
-  const double places[] = {50000.0, 9000.0, 0.0};
-  std::vector<TileHandle> handles;
-  for (const double east : places) {
-    const auto place = coneAt(east);
-    lighting->addChild(place);
-    handles.push_back(lighting->getTileHandle(tileOf(*place)));
-  }
-  ScenePicture picture(lighting, reach);
-  using Stage = TileState::Stage;
-  const auto stages = [&] {
-    std::vector<Stage> all;
-    for (const TileHandle &handle : handles)
-      all.push_back(lighting->getTileState(handle).stage);
-    return all;
-  };
-  picture.draw(4);
-  EXPECT_EQ(stages(),
-            (std::vector{Stage::Waiting, Stage::Waiting, Stage::Lit}));
-  picture.draw(4);
-  EXPECT_EQ(stages(), (std::vector{Stage::Waiting, Stage::Lit, Stage::Lit}));
-  picture.draw(4);
-  EXPECT_EQ(stages(), (std::vector{Stage::Lit, Stage::Lit, Stage::Lit}));
+TEST(Tiles, TheOneThatIsSeenBestComesFirst)
+{
+    OTL_NEED_GL(context);
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(1.0e-6);
+    const double places[] = {50000.0, 9000.0, 0.0};
+    std::vector<TileHandle> handles;
+    for (const double east : places)
+    {
+        const auto place = coneAt(east);
+        lighting->addChild(place);
+        handles.push_back(lighting->getTileHandle(tileOf(*place)));
+    }
+    ScenePicture picture(lighting, reach);
+    using Stage = TileState::Stage;
+    const auto stages = [&]
+    {
+        std::vector<Stage> all;
+        for (const TileHandle& handle : handles)
+            all.push_back(lighting->getTileState(handle).stage);
+        return all;
+    };
+    picture.draw(4);
+    EXPECT_EQ(stages(), (std::vector{Stage::Waiting, Stage::Waiting, Stage::Lit}));
+    picture.draw(4);
+    EXPECT_EQ(stages(), (std::vector{Stage::Waiting, Stage::Lit, Stage::Lit}));
+    picture.draw(4);
+    EXPECT_EQ(stages(), (std::vector{Stage::Lit, Stage::Lit, Stage::Lit}));
 }
 
 // Expected: counts. One more tile costs a look at the nodes above it and its
 // own, twice at most, as its geometry may dirty its bound once more.
-TEST(Tiles, AStillSceneOfFourHundredIsNotLookedAt) {
-  OTL_NEED_GL(context);
-  const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0);
-  osg::ref_ptr<osg::Group> group;
-  for (int i = 0; i < 400; ++i) {
-    if (i % 20 == 0)
-      lighting->addChild(group = new osg::Group);
-    group->addChild(createTerrain(analytic::plane(3, 3, 10.0, 1.0 * i)));
-  }
-  ScenePicture picture(lighting, reach);
-  picture.draw(8);
-  EXPECT_EQ(lighting->getTileCount(), 400u);
-  const unsigned dispatches = lighting->getDispatchCount();
-  unsigned visits = lighting->getVisitCount();
-  picture.draw(10);
-  EXPECT_EQ(lighting->getDispatchCount(), dispatches);
-  EXPECT_EQ(lighting->getVisitCount(), visits);
-  group->addChild(createTerrain(analytic::plane(3, 3, 10.0, 0.0)));
-  picture.draw(3);
-  EXPECT_EQ(lighting->getTileCount(), 401u);
-  EXPECT_LE(lighting->getVisitCount() - visits,
-            2u * 4u); // lighting, group, terrain, tile
+TEST(Tiles, AStillSceneOfFourHundredIsNotLookedAt)
+{
+    OTL_NEED_GL(context);
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0);
+    osg::ref_ptr<osg::Group> group;
+    for (int i = 0; i < 400; ++i)
+    {
+        if (i % 20 == 0)
+            lighting->addChild(group = new osg::Group);
+        group->addChild(createTerrain(analytic::plane(3, 3, 10.0, 1.0 * i)));
+    }
+    ScenePicture picture(lighting, reach);
+    picture.draw(8);
+    EXPECT_EQ(lighting->getTileCount(), 400u);
+    const unsigned dispatches = lighting->getDispatchCount();
+    unsigned visits = lighting->getVisitCount();
+    picture.draw(10);
+    EXPECT_EQ(lighting->getDispatchCount(), dispatches);
+    EXPECT_EQ(lighting->getVisitCount(), visits);
+    group->addChild(createTerrain(analytic::plane(3, 3, 10.0, 0.0)));
+    picture.draw(3);
+    EXPECT_EQ(lighting->getTileCount(), 401u);
+    EXPECT_LE(lighting->getVisitCount() - visits,
+              2u * 4u); // lighting, group, terrain, tile
 }
 
 // Expected: heights and albedo are what was set: a plane shadows nothing, a
 // cone its far side; and under a white sky red ground sends red light only.
-TEST(Tiles, HeightsAndAlbedoOfAnAddedTileChange) {
-  OTL_NEED_GL(context);
-  const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0);
-  const osg::ref_ptr<osg::Geometry> geometry = quad();
-  lighting->addChild(geometry);
-  osg::StateSet *stateSet = geometry->getOrCreateStateSet();
-  const TileHandle tile =
-      lighting->addTile(analytic::plane(33, 33, 20.0, 0.0), stateSet, {}, true);
-  ScenePicture picture(lighting, reach);
-  picture.draw(2);
-  const double level = picture.redAt(0.3, -0.3);
-  const DemTile cone = analytic::cone(33, 33, 20.0, 16, 16, 200.0, 200.0);
-  EXPECT_TRUE(lighting->setTileHeights(tile, cone.heights()));
-  picture.draw(2);
-  EXPECT_LT(picture.redAt(0.3, -0.3), level - 40.0);
-
-  const DemTile valley = analytic::makeTile(33, 33, 20.0, [](int column, int) {
-    return 15.0 * std::abs(column - 16);
-  });
-  EXPECT_TRUE(lighting->setTileHeights(tile, valley.heights()));
-  SkyLight sky;
-  sky.sunEnabled = false;
-  lighting->setSkyLight(sky);
-  const auto bottom = [&] {
+TEST(Tiles, HeightsAndAlbedoOfAnAddedTileChange)
+{
+    OTL_NEED_GL(context);
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0);
+    const osg::ref_ptr<osg::Geometry> geometry = quad();
+    lighting->addChild(geometry);
+    osg::StateSet* stateSet = geometry->getOrCreateStateSet();
+    const TileHandle tile =
+        lighting->addTile(analytic::plane(33, 33, 20.0, 0.0), stateSet, {}, true);
+    ScenePicture picture(lighting, reach);
     picture.draw(2);
-    auto *shading =
-        dynamic_cast<osg::Texture2D *>(stateSet->getTextureAttribute(
+    const double level = picture.redAt(0.3, -0.3);
+    const DemTile cone = analytic::cone(33, 33, 20.0, 16, 16, 200.0, 200.0);
+    EXPECT_TRUE(lighting->setTileHeights(tile, cone.heights()));
+    picture.draw(2);
+    EXPECT_LT(picture.redAt(0.3, -0.3), level - 40.0);
+
+    const DemTile valley = analytic::makeTile(
+        33, 33, 20.0, [](int column, int) { return 15.0 * std::abs(column - 16); });
+    EXPECT_TRUE(lighting->setTileHeights(tile, valley.heights()));
+    SkyLight sky;
+    sky.sunEnabled = false;
+    lighting->setSkyLight(sky);
+    const auto bottom = [&]
+    {
+        picture.draw(2);
+        auto* shading = dynamic_cast<osg::Texture2D*>(stateSet->getTextureAttribute(
             lighting->getTextureUnit(), osg::StateAttribute::TEXTURE));
-    const std::vector<float> values = readFloats(picture.state(), *shading, 4);
-    const std::size_t post = 4 * (16 * 33 + 16);
-    return osg::Vec2f(values[post], values[post + 1]);
-  };
-  const osg::Vec2f direct = bottom();
-  EXPECT_TRUE(lighting->setTileAlbedo(
-      tile, std::vector<Rgb>(33 * 33, Rgb{1.0f, 0.0f, 0.0f})));
-  LightingSettings settings = lighting->getSettings();
-  settings.bounces = 1;
-  lighting->setSettings(settings);
-  const osg::Vec2f red = bottom();
-  EXPECT_GT(red.x(), 1.05f * direct.x());
-  EXPECT_EQ(red.y(), direct.y());
-  EXPECT_EQ(takeGlErrors(), "");
+        const std::vector<float> values = readFloats(picture.state(), *shading, 4);
+        const std::size_t post = 4 * (16 * 33 + 16);
+        return osg::Vec2f(values[post], values[post + 1]);
+    };
+    const osg::Vec2f direct = bottom();
+    EXPECT_TRUE(lighting->setTileAlbedo(tile, std::vector<Rgb>(33 * 33, Rgb{1.0f, 0.0f, 0.0f})));
+    LightingSettings settings = lighting->getSettings();
+    settings.bounces = 1;
+    lighting->setSettings(settings);
+    const osg::Vec2f red = bottom();
+    EXPECT_GT(red.x(), 1.05f * direct.x());
+    EXPECT_EQ(red.y(), direct.y());
+    EXPECT_EQ(takeGlErrors(), "");
 }
 
 // Expected: setters come back while a tile is being computed, that is between
 // two of its steps, when update() holds whatever it holds during a dispatch.
-TEST(Tiles, SettersDoNotWaitForADispatch) {
-  OTL_NEED_GL(context);
-  const osg::ref_ptr<Scheduler> scheduler = new Scheduler;
-  const osg::ref_ptr<LitTile> tile =
-      new LitTile("tile", analytic::plane(9, 9, 10.0, 0.0), scheduler->light());
-  scheduler->add(tile);
-  int asked = 0;
-  const Status updated =
-      tile->update(context->state(), scheduler->light(), [&] {
-        ++asked;
-        auto setters = std::async(std::launch::async, [&] {
-          SkyLight sky;
-          sky.sunAzimuth = 10.0 * asked;
-          scheduler->setSky(sky);
-          scheduler->setSettings(LightingSettings());
-          tile->setHeights(std::vector<float>(81, 1.0f));
-          tile->setAlbedo({});
-          tile->setGloss({});
-          tile->setProbes({});
-          tile->glossLight();
-          tile->state();
+TEST(Tiles, SettersDoNotWaitForADispatch)
+{
+    OTL_NEED_GL(context);
+    const osg::ref_ptr<Scheduler> scheduler = new Scheduler;
+    const osg::ref_ptr<LitTile> tile =
+        new LitTile("tile", analytic::plane(9, 9, 10.0, 0.0), scheduler->light());
+    scheduler->add(tile);
+    int asked = 0;
+    const Status updated = tile->update(
+        context->state(), scheduler->light(),
+        [&]
+        {
+            ++asked;
+            auto setters = std::async(std::launch::async,
+                                      [&]
+                                      {
+                                          SkyLight sky;
+                                          sky.sunAzimuth = 10.0 * asked;
+                                          scheduler->setSky(sky);
+                                          scheduler->setSettings(LightingSettings());
+                                          tile->setHeights(std::vector<float>(81, 1.0f));
+                                          tile->setAlbedo({});
+                                          tile->setGloss({});
+                                          tile->setProbes({});
+                                          tile->glossLight();
+                                          tile->state();
+                                      });
+            // Where one waited it would come back only after this.
+            EXPECT_EQ(setters.wait_for(std::chrono::seconds(20)), std::future_status::ready);
+            return true;
         });
-        // Where one waited it would come back only after this.
-        EXPECT_EQ(setters.wait_for(std::chrono::seconds(20)),
-                  std::future_status::ready);
-        return true;
-      });
-  EXPECT_TRUE(updated);
-  EXPECT_GT(asked, 0);
-  EXPECT_TRUE(
-      tile->isBehind(context->state().getContextID(), scheduler->light()));
+    EXPECT_TRUE(updated);
+    EXPECT_GT(asked, 0);
+    EXPECT_TRUE(tile->isBehind(context->state().getContextID(), scheduler->light()));
+}
+
+// Expected: a tile whose light changes in every frame, with time for one of its steps in each, is
+// lit all the same: a change is taken over once the one before has been computed (sun, shade).
+TEST(Tiles, LightThatChangesInEveryFrameIsComputedWithinABudget)
+{
+    OTL_NEED_GL(context);
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(1.0e-6);
+    lighting->addChild(coneAt(0.0));
+    ScenePicture picture(lighting, reach);
+    picture.draw(6);
+    const unsigned before = lighting->getDispatchCounts().at("shade");
+    SkyLight sky;
+    for (int frame = 0; frame < 8; ++frame)
+    {
+        sky.sunAzimuth += 10.0;
+        lighting->setSkyLight(sky);
+        picture.draw();
+    }
+    EXPECT_EQ(lighting->getDispatchCounts().at("shade"), before + 4u);
+    picture.draw(3);
+    EXPECT_EQ(lighting->getDispatchCounts().at("shade"), before + 5u) << "the last of them";
 }
 
 // Expected: gloss is bound to the unit that was set before some of the ground
 // was glossy.
-TEST(Tiles, GlossHasTheTextureUnitThatWasSet) {
-  OTL_NEED_GL(context);
-  Said said;
-  const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0);
-  const osg::ref_ptr<osg::Geometry> geometry = quad();
-  lighting->addChild(geometry);
-  osg::StateSet *stateSet = geometry->getOrCreateStateSet();
-  EXPECT_TRUE(
-      lighting->addTile(analytic::plane(9, 9, 80.0, 0.0), stateSet, {}, true));
-  lighting->setGlossUnit(9);
-  LightingSettings settings = lighting->getSettings();
-  settings.gloss = 0.5;
-  lighting->setSettings(settings);
-  ScenePicture picture(lighting, reach);
-  picture.draw(3);
-  EXPECT_TRUE(stateSet->getTextureAttribute(9, osg::StateAttribute::TEXTURE));
-  EXPECT_FALSE(stateSet->getTextureAttribute(ShadingTexture::glossUnit,
-                                             osg::StateAttribute::TEXTURE));
-  lighting->setGlossUnit(5);
-  EXPECT_EQ(lighting->getGlossUnit(), 9u);
-  EXPECT_EQ(said.count("gloss unit not set"), 1);
-  EXPECT_EQ(takeGlErrors(), "");
+TEST(Tiles, GlossHasTheTextureUnitThatWasSet)
+{
+    OTL_NEED_GL(context);
+    Said said;
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0);
+    const osg::ref_ptr<osg::Geometry> geometry = quad();
+    lighting->addChild(geometry);
+    osg::StateSet* stateSet = geometry->getOrCreateStateSet();
+    EXPECT_TRUE(lighting->addTile(analytic::plane(9, 9, 80.0, 0.0), stateSet, {}, true));
+    lighting->setGlossUnit(9);
+    LightingSettings settings = lighting->getSettings();
+    settings.gloss = 0.5;
+    lighting->setSettings(settings);
+    ScenePicture picture(lighting, reach);
+    picture.draw(3);
+    EXPECT_TRUE(stateSet->getTextureAttribute(9, osg::StateAttribute::TEXTURE));
+    EXPECT_FALSE(
+        stateSet->getTextureAttribute(ShadingTexture::glossUnit, osg::StateAttribute::TEXTURE));
+    lighting->setGlossUnit(5);
+    EXPECT_EQ(lighting->getGlossUnit(), 9u);
+    EXPECT_EQ(said.count("gloss unit not set"), 1);
+    EXPECT_EQ(takeGlErrors(), "");
 }

@@ -100,6 +100,13 @@ void LitTile::apply(const SceneLight& light)
 Status LitTile::update(osg::State& state, const std::shared_ptr<const SceneLight>& light,
                        const std::function<bool()>& mayContinue)
 {
+    const unsigned context = state.getContextID();
+    bool goesOn = false;
+    {
+        Lock lock(_mutex);
+        goesOn = _unfinished.erase(context) > 0;
+    }
+    if (!goesOn)
     {
         Lock applying(_applying);
         apply(*light);
@@ -108,7 +115,16 @@ Status LitTile::update(osg::State& state, const std::shared_ptr<const SceneLight
         _applied = light;
         _glossLight = gloss;
     }
-    return _lighting->update(state, mayContinue);
+    const Status updated = _lighting->update(state,
+                                             [&]
+                                             {
+                                                 const bool continues = mayContinue();
+                                                 Lock lock(_mutex);
+                                                 if (!continues)
+                                                     _unfinished.insert(context);
+                                                 return continues;
+                                             });
+    return updated;
 }
 
 bool LitTile::isBehind(unsigned context, const std::shared_ptr<const SceneLight>& light) const
@@ -177,9 +193,15 @@ void LitTile::forget(unsigned context)
 {
     Lock lock(_mutex);
     if (context == ~0u)
+    {
         _stages.clear();
+        _unfinished.clear();
+    }
     else
+    {
         _stages.erase(context);
+        _unfinished.erase(context);
+    }
 }
 
 void LitTile::retry()

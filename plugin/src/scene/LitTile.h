@@ -15,6 +15,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -55,7 +56,9 @@ public:
     void setBound(const osg::BoundingSphere& bound) { _bound = bound; }
     const osg::BoundingSphere& bound() const { return _bound; }
 
-    /// Computes what has changed, in draw traversal; mayContinue is asked between steps.
+    /// Computes what has changed, in draw traversal; mayContinue is asked between steps. What it
+    /// stops in between is gone on with first, and later changes are taken over only then: where
+    /// light changes in every frame and a budget is short, it would come to no end otherwise.
     Status update(osg::State& state, const std::shared_ptr<const SceneLight>& light,
                   const std::function<bool()>& mayContinue);
     /// Whether update() would compute something.
@@ -110,6 +113,7 @@ private:
     bool _changed = false;
     std::shared_ptr<const SceneLight> _applied;
     osg::ref_ptr<osg::Texture2DArray> _glossLight;
+    std::set<unsigned> _unfinished; ///< contexts where an update was stopped
     std::map<unsigned, Stage> _stages;
     std::map<unsigned, std::string> _failures; ///< where the stage is Failed, or was
 

@@ -209,7 +209,7 @@ bool Scheduler::update(LitTile& tile, osg::State& state, WorkClock& clock, doubl
         return false; // what was lit keeps its light until the rest has been computed
     clock.step(state, posts);
     tile.setStage(id, LitTile::Stage::Lit);
-    return !tile.lighting().isDirty(id); // bounces may wait for their turn
+    return !tile.isBehind(id, light); // bounces may wait for their turn, changes for this one
 }
 
 } // namespace osgTerrainLight
