@@ -115,7 +115,7 @@ int fuzz(const FuzzOptions& options, std::vector<std::string> files, const Try& 
 {
     const std::size_t first = files.size();
     for (const std::string& file : files)
-        require(tries(file), "a whole file is refused");
+        require(tries(file), ("a whole file is refused: " + file.substr(0, 100)).c_str());
     Random random(options.seed);
     std::uint64_t run = 0, passed = 0;
     const auto start = std::chrono::steady_clock::now();

@@ -5,6 +5,7 @@
 // The file at hand is FOLDER/input.*, so it is there after a crash.
 #include "Mutation.h"
 #include "io/EarthFile.h"
+#include "io/GdalErrors.h"
 #include "io/MapReader.h"
 
 #include <gdal_priv.h>
@@ -44,7 +45,7 @@ std::string virtualRaster()
 {
     return R"(<VRTDataset rasterXSize="6" rasterYSize="5"><SRS>EPSG:4326</SRS>
 <GeoTransform>7, 0.001, 0, 46, 0, -0.001</GeoTransform><Metadata><MDI key="AREA_OR_POINT">Point</MDI>
-</Metadata><VRTRasterBand dataType="Int16" band="1"><NoDataValue>-32768</NoDataValue>
+</Metadata><VRTRasterBand dataType="Int16" band="1">
 <UnitType>ft</UnitType><Offset>10</Offset><Scale>0.5</Scale><ColorInterp>Gray</ColorInterp>
 </VRTRasterBand></VRTDataset>)";
 }
