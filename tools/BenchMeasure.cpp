@@ -35,19 +35,17 @@ Result<Found> readBack(const Gpu& gpu, const Truth& truth, const LightingSetting
 {
     Found found;
     found.indirect.resize(truth.indirect.size());
-    LightingSettings fewer = settings;
-    for (; fewer.bounces > 0; --fewer.bounces)
+    for (int bounce = 1; bounce <= settings.bounces; ++bounce)
     {
-        lighting.setSettings(fewer); // as they are, the first time
-        if (Status done = lighting.update(gpu.state()); !done)
-            return done.error();
-        const Raster<osg::Vec4f> light = lighting.readLastBounce(gpu.state());
+        const Raster<osg::Vec4f> light = lighting.readBounce(gpu.state(), bounce);
         for (std::size_t i = 0; i < found.indirect.size(); ++i)
         {
             const osg::Vec4f& c = light.at(truth.posts[i].column, truth.posts[i].row);
             found.indirect[i] += luminance({c.r(), c.g(), c.b()});
         }
     }
+    LightingSettings fewer = settings; // the truth of direct light has none
+    fewer.bounces = 0;
     lighting.setSettings(fewer);
     if (Status done = lighting.update(gpu.state()); !done)
         return done.error();
@@ -87,15 +85,20 @@ Status measure(const Gpu& gpu, const DemTile& tile, const Truth& truth, const Sk
         if (row.settings.bounces > 0)
             stages.insert(stages.end(), {"pyramid", "bounce"});
         times.byStage.resize(stages.size());
+        for (std::vector<double>& stage : times.byStage)
+            stage.push_back(0.0);
         times.wall.push_back(took.count());
         times.gpu.push_back(0.0);
         for (const StageCost& cost : lighting->costs())
         {
-            const auto stage = std::find(stages.begin(), stages.end(), cost.name);
+            // What is sent and what is added are parts of bounces.
+            const bool isPart = cost.name == "sent" || cost.name == "compose";
+            const auto stage =
+                std::find(stages.begin(), stages.end(), isPart ? "bounce" : cost.name);
             if (stage == stages.end())
                 continue;
-            times.byStage[static_cast<std::size_t>(stage - stages.begin())].push_back(
-                cost.gpuMilliseconds);
+            times.byStage[static_cast<std::size_t>(stage - stages.begin())].back() +=
+                cost.gpuMilliseconds;
             times.gpu.back() += cost.gpuMilliseconds;
         }
     }

@@ -3,7 +3,7 @@
 #include "core/AzimuthSet.h"
 #include "core/SyntheticTerrain.h"
 #include "gpu/Textures.h"
-#include "lighting/nodes/HorizonPass.h"
+#include "lighting/nodes/HorizonNode.h"
 
 #include <cpl_conv.h>
 #include <cpl_string.h>
@@ -59,12 +59,12 @@ void printGpu(const Gpu& gpu)
 void printMemory(int width, int height, const LightingSettings& settings)
 {
     const double posts = double(width) * height;
-    constexpr int frame = HorizonPass::frame;
+    constexpr int frame = HorizonNode::frame;
     const double heights = 4.0 * (double(width + 2 * frame) * (height + 2 * frame) + height);
     const double map = 2.0 * posts * settings.azimuths;
     const HorizonScheme scheme = HorizonScheme::of(settings.quality);
     const auto working =
-        static_cast<double>(HorizonPass::workingBytes(width, height, scheme, settings.azimuths));
+        static_cast<double>(HorizonNode::workingBytes(width, height, scheme, settings.azimuths));
     const double sun =
         2.0 * TileLight::sunAzimuths * posts; // its working space is the sky's, at another time
     const double skyView = 4.0 * posts;
@@ -133,15 +133,14 @@ Status printRates(const Gpu& gpu, const DemTile& tile, LightingSettings settings
         if (Status fits = checkFits(gpu, tile.width(), tile.height()); !fits)
             return fits;
         const HorizonScheme scheme = HorizonScheme::of(quality);
-        const auto heights = createHeightTexture(tile, HorizonPass::frame);
-        const osg::ref_ptr<HorizonPass> pass =
-            new HorizonPass(tile, heights, scheme, azimuths.count());
-        pass->setDirections(directions);
+        const osg::ref_ptr<TileSurface> surface = new TileSurface(tile, HorizonNode::frame);
+        const osg::ref_ptr<HorizonNode> node = new HorizonNode(
+            "horizon", *surface, scheme, azimuths.count(), [&directions] { return directions; });
         double best = std::numeric_limits<double>::infinity();
         for (int run = 0; run < 4; ++run)
         {
             const auto start = std::chrono::steady_clock::now();
-            if (Status done = pass->dispatch(gpu.state()); !done)
+            if (Status done = node->run(gpu.state()); !done)
                 return done;
             if (Status done = gpu.finish(); !done)
                 return done;
@@ -149,16 +148,15 @@ Status printRates(const Gpu& gpu, const DemTile& tile, LightingSettings settings
             if (run > 0)
                 best = std::min(best, took.count());
         }
-        const double bytes = static_cast<double>(
-            textureBytes(*heights) + textureBytes(*pass->horizon()) +
-            HorizonPass::workingBytes(tile.width(), tile.height(), scheme, azimuths.count()));
+        const double bytes =
+            static_cast<double>(surface->heights()->bytes() + node->bytes() + node->workingBytes());
         std::cout << CPLSPrintf("%-9s %12.1f   %24.1f   %11.2f", toString(quality), best * 1e3,
                                 static_cast<double>(tile.postCount()) * azimuths.count() / best *
                                     1e-6,
                                 bytes / (1024.0 * 1024.0))
                   << std::endl;
-        pass->releaseGLObjects(&gpu.state());
-        heights->releaseGLObjects(&gpu.state());
+        node->releaseGLObjects(&gpu.state());
+        surface->releaseGLObjects(&gpu.state());
     }
     return Nothing{};
 }

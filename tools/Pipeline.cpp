@@ -3,7 +3,7 @@
 #include "io/AlbedoFile.h"
 #include "io/LightParameters.h"
 #include "io/MapPlace.h"
-#include "lighting/nodes/HorizonPass.h"
+#include "lighting/nodes/HorizonNode.h"
 
 #include <cpl_string.h>
 
@@ -158,7 +158,7 @@ Result<Gpu> openGpu(int width, int height)
 
 Status checkFits(const Gpu& gpu, int width, int height)
 {
-    const int most = gpu.capabilities.maxTextureSize - 2 * HorizonPass::frame;
+    const int most = gpu.capabilities.maxTextureSize - 2 * HorizonNode::frame;
     if (width > most || height > most)
         return Error{ErrorCode::NotSupported,
                      std::to_string(width) + " x " + std::to_string(height) + " posts; '" +

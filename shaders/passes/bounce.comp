@@ -19,8 +19,12 @@ uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k
 // gives the block's post of a radiance of 1, times azimuths.
 layout(rgba16f, binding = 0) writeonly uniform image2DArray farRadiance;
 #else
-layout(rgba16f, binding = 0) uniform image2D shading; // += irradiance / pi
-layout(rgba16f, binding = 1) uniform image2D light; // irradiance / pi of the last bounce; of this one
+layout(rgba16f, binding = 0) writeonly uniform image2D light; // irradiance / pi of this bounce
+#ifdef DIRECT
+uniform sampler2D direct; // of which alpha is read, the sun's visible fraction
+#else
+uniform sampler2D lastLight; // irradiance / pi of the last bounce
+#endif
 #endif
 #ifdef NEAR
 uniform sampler2DArray farRadiance;
@@ -144,11 +148,10 @@ void main()
     vec3 normal = postNormal(heights, post + frame, east, northSpacing);
 #ifndef FAR
     vec3 colour = texelFetch(albedo, min(post, textureSize(albedo, 0) - 1), 0).rgb;
-    vec4 before = imageLoad(shading, post);
 #ifdef DIRECT
-    CornerLight corners = lightOfCorners(post, here, east, before.a);
+    CornerLight corners = lightOfCorners(post, here, east, texelFetch(direct, post, 0).a);
 #else
-    vec3 bounced = imageLoad(light, post).rgb;
+    vec3 bounced = texelFetch(lastLight, post, 0).rgb;
 #endif
 #endif
 #ifdef NEAR
@@ -305,7 +308,6 @@ void main()
 #ifndef FAR
     sum /= PI;
     vec3 received = normal * sum;
-    imageStore(shading, post, vec4(roundedToHalf(before.rgb + received), before.a));
     imageStore(light, post, vec4(roundedToHalf(received), 1.0));
 #endif
 }

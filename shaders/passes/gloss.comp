@@ -14,7 +14,7 @@ uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k
 
 // Layers 0 ... 11: coefficients 4j ... 4j + 3 of colour c in layer 4c + j; 12 of glossLight: the normal's
 // parts to the east and north, gloss, exponent.
-layout(rgba16f, binding = 0) uniform image2DArray glossLight; // for the viewer: of all bounces, no sun
+layout(rgba16f, binding = 0) writeonly uniform image2DArray glossLight; // for the viewer: of all bounces, no sun
 layout(rgba16f, binding = 1) writeonly uniform image2DArray exitLight; // for other terrain: of this bounce
 
 uniform ivec2 size; // posts
@@ -64,8 +64,11 @@ vec4[3] skySlices(Slope slope, float cosine, float sine)
 #endif
 }
 #else
-layout(rgba16f, binding = 2) uniform image2D shading; // += irradiance / pi
-layout(rgba16f, binding = 3) uniform image2D light;   // likewise, of this bounce
+uniform sampler2DArray lightBefore; // glossLight up to this bounce
+#ifndef SCALAR
+uniform sampler2D diffuse; // irradiance / pi of this bounce by what is sent diffusely
+layout(rgba16f, binding = 2) writeonly uniform image2D light; // irradiance / pi of this bounce
+#endif
 uniform sampler2D stepLengths;   // R32F [m]: ground length of a step of azimuth x in row y
 uniform sampler2D radiance;      // rgb = what cells send diffusely, a = 1 where valid
 uniform sampler2D heightPyramid; // RG32F: height times weight, weight
@@ -145,6 +148,9 @@ void main()
             imageStore(exitLight, ivec3(post, layer), vec4(0.0));
         }
         imageStore(glossLight, ivec3(post, 12), vec4(0.0, 0.0, 0.0, 1.0));
+#if !defined(DIRECT) && !defined(SCALAR)
+        imageStore(light, post, vec4(0.0));
+#endif
         return;
     }
     vec3 normal = postNormal(heights, post + frame, texelFetch(eastSpacings, ivec2(0, post.y), 0).x,
@@ -275,16 +281,13 @@ void main()
         {
             ivec3 texel = ivec3(post, 4 * c + j);
             imageStore(exitLight, texel, halves(sent.c[j]));
-            imageStore(glossLight, texel, halves(imageLoad(glossLight, texel) + sent.c[j]));
+            imageStore(glossLight, texel, halves(texelFetch(lightBefore, texel, 0) + sent.c[j]));
         }
     }
+    imageStore(glossLight, ivec3(post, 12), halves(vec4(normal.xy, own)));
 #ifndef SCALAR
     vec3 irradiance = normal * received / PI;
-    vec4 before = imageLoad(shading, post);
-    vec4 bounced = imageLoad(light, post);
-    // Order 4 rings: what is added may be below 0, the shading stays a radiance.
-    imageStore(shading, post, vec4(roundedToHalf(max(before.rgb + irradiance, 0.0)), before.a));
-    imageStore(light, post, vec4(roundedToHalf(bounced.rgb + irradiance), 1.0));
+    imageStore(light, post, vec4(roundedToHalf(texelFetch(diffuse, post, 0).rgb + irradiance), 1.0));
 #endif
 #endif
 }

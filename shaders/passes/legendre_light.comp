@@ -3,9 +3,8 @@
 // spherical harmonics (SH) of order 4 (section 6), and these meet the clamped cosine about the normal
 // (section 7).
 //
-// DIRECT: the light of sky and key lights that the terrain leaves visible; it is the first to write the
-// shading. HARMONICS: of a sky in SH; else of a uniform one. Without DIRECT: one bounce, added to the
-// shading. SENDS_ON: another bounce follows.
+// DIRECT: the light of sky and key lights that the terrain leaves visible. HARMONICS: of a sky in SH; else of
+// a uniform one. Without DIRECT: one bounce. SENDS_ON: another bounce follows.
 //
 // SUBSAMPLED: light is gathered at one post of every block of stride * stride, and shaded at all with their
 // own normals. A work group gathers at 8 * 8 blocks and shades the 7 * 7 of them that have a neighbour to
@@ -16,7 +15,7 @@ uniform sampler2D heights;       // R32F [m], framed by `frame` void posts, row 
 uniform sampler2D eastSpacings;  // R32F [m], one texel per row
 uniform sampler2D heightPyramid; // RG32F: height times weight, weight
 #ifdef DIRECT
-layout(rgba16f, binding = 0) writeonly uniform image2D shading; // irradiance / pi, visible part of the sun
+layout(rgba16f, binding = 0) writeonly uniform image2D light; // irradiance / pi, visible part of the sun
 #ifdef HARMONICS
 uniform sampler2D skyProduct; // R32F: row of coefficient i; column 3 j + colour: visibility j's share in it
 #else
@@ -26,13 +25,11 @@ uniform float sunOff; // alpha where no key slice is the sun's
 #else
 uniform sampler2D radiance; // what blocks send out: radiance times weight, weight
 uniform sampler2D radiancePyramid; // RGBA16F, likewise
-layout(rgba16f, binding = 0) uniform image2D shading; // += irradiance / pi
+layout(rgba16f, binding = 0) writeonly uniform image2D light; // irradiance / pi of this bounce, 1
 uniform ivec4 radianceLevels[16]; // x, y, width, height in the pyramid's texture; the first is not used
 uniform int radianceLevelCount;
-uniform float darkest; // the least that the shading may become
-uniform bool fresh;    // it is 0 so far
 #ifdef SENDS_ON
-layout(rgba16f, binding = 1) writeonly uniform image2D light; // of blocks: irradiance / pi of this bounce
+layout(rgba16f, binding = 1) writeonly uniform image2D blockLight; // likewise, a texel per block
 #endif
 #endif
 
@@ -216,13 +213,12 @@ vec3 received(Incident incident, vec3 normal)
 void shade(ivec2 post, Incident incident, vec3 normal)
 {
     vec3 sum = received(incident, normal);
-    // Order 4 rings, so light may be below 0; the shading stays a radiance.
+    // Order 4 rings, so light may be below 0; that of a bounce stays so.
 #ifdef DIRECT
-    imageStore(shading, post,
+    imageStore(light, post,
                vec4(roundedToHalf(max(sum, 0.0)), roundedToHalf(clamp(vec3(incident.sun), 0.0, 1.0)).x));
 #else
-    vec4 before = fresh ? vec4(0.0, 0.0, 0.0, 1.0) : imageLoad(shading, post);
-    imageStore(shading, post, vec4(roundedToHalf(max(before.rgb + sum, darkest)), before.a));
+    imageStore(light, post, vec4(roundedToHalf(sum), 1.0));
 #endif
 }
 
@@ -257,12 +253,12 @@ void main()
                     gathered[own][(3 * j + c) / 4][(3 * j + c) % 4] = incident.c[j][c];
             gathered[own][6].w = incident.sun;
 #ifdef SENDS_ON
-            imageStore(light, block, vec4(roundedToHalf(received(incident, normal)), 1.0));
+            imageStore(blockLight, block, vec4(roundedToHalf(received(incident, normal)), 1.0));
 #endif
         }
 #ifdef SENDS_ON
         else
-            imageStore(light, block, vec4(0.0));
+            imageStore(blockLight, block, vec4(0.0));
 #endif
     }
     barrier();
@@ -275,7 +271,7 @@ void main()
         Length here = postHeight(heights, post + frame);
         if (isVoid(here))
         {
-            imageStore(shading, post, vec4(0.0));
+            imageStore(light, post, vec4(0.0));
             continue;
         }
         Length east = texelFetch(eastSpacings, ivec2(0, post.y), 0).x;
@@ -312,9 +308,9 @@ void main()
     Length here = postHeight(heights, post + frame);
     if (isVoid(here))
     {
-        imageStore(shading, post, vec4(0.0));
-#ifdef SENDS_ON
         imageStore(light, post, vec4(0.0));
+#ifdef SENDS_ON
+        imageStore(blockLight, post, vec4(0.0));
 #endif
         return;
     }
@@ -323,7 +319,7 @@ void main()
     Incident incident = gather(post, here, east, normal);
     shade(post, incident, normal);
 #ifdef SENDS_ON
-    imageStore(light, post, vec4(roundedToHalf(received(incident, normal)), 1.0));
+    imageStore(blockLight, post, vec4(roundedToHalf(received(incident, normal)), 1.0));
 #endif
 #endif
 }

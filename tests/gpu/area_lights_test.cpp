@@ -6,7 +6,7 @@
 #include "gpu/Textures.h"
 #include "io/DemReader.h"
 #include "lighting/TileLight.h"
-#include "lighting/nodes/SkyTablePass.h"
+#include "lighting/nodes/SkyTableNode.h"
 #include "reference/PathTracer.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
@@ -203,9 +203,11 @@ double worstOfTable(osg::State& state, const SkyLight& sky, int rows,
     constexpr int azimuths = 32;
     constexpr double width = 2.0 * pi / azimuths;
     const reference::LinearRgb whole = openIrradiance(radiance, {0.0, 0.0, 1.0});
-    const osg::ref_ptr<SkyTablePass> pass = new SkyTablePass(azimuths, rows);
-    EXPECT_TRUE(pass->dispatch(state, sky).ok());
-    const std::vector<float> texels = readFloats(state, *pass->table(), 4);
+    const osg::ref_ptr<TileInputs> inputs = new TileInputs;
+    inputs->sky = sky;
+    const osg::ref_ptr<SkyTableNode> pass = new SkyTableNode(*inputs, azimuths, rows);
+    EXPECT_TRUE(pass->run(state).ok());
+    const std::vector<float> texels = readFloats(state, *pass->table()->texture(), 4);
     pass->releaseGLObjects(&state);
     std::mt19937 random(7);
     std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -334,13 +336,16 @@ TEST(SkyModelPass, IsTheModelInDouble)
         for (const double elevation : {90.0, 60.0, 5.0, 0.0, -4.0, -90.0})
             skies.push_back(clear(turbidity, elevation));
     // One pass for all: what one sky sets is not left over for the next.
-    const osg::ref_ptr<SkyTablePass> pass = new SkyTablePass(16, 32);
+    const osg::ref_ptr<TileInputs> inputs = new TileInputs;
+    const osg::ref_ptr<SkyTableNode> pass = new SkyTableNode(*inputs, 16, 32);
     double worst = 0.0;
     for (const SkyLight& sky : skies)
     {
-        ASSERT_TRUE(pass->dispatch(context->state(), sky).ok());
-        const std::vector<float> texels = readFloats(context->state(), *pass->picture(), 4);
-        const int columns = pass->picture()->getTextureWidth();
+        inputs->sky = sky;
+        ASSERT_TRUE(pass->run(context->state()).ok());
+        const std::vector<float> texels =
+            readFloats(context->state(), *pass->picture()->texture(), 4);
+        const int columns = pass->picture()->layout().width;
         const auto model = clearSky(sky);
         double brightest = 0.0, difference = 0.0;
         for (int row = 0; row < 32; ++row)
@@ -628,7 +633,7 @@ TEST_P(AreaLightAccuracy, AgainstThePathTracer)
         for (settings.bounces = 1; azimuths == 32 && settings.bounces <= 2; ++settings.bounces)
         {
             const auto lighting = lit(context->state(), tile, settings, scene.sky);
-            light.push_back(lighting->readLastBounce(context->state()));
+            light.push_back(lighting->readBounce(context->state(), settings.bounces));
             lighting->releaseGLObjects(&context->state());
         }
         std::vector<double> sums(receivers.size()), expected(receivers.size()),

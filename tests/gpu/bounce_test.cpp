@@ -3,8 +3,8 @@
 #include "gpu/Textures.h"
 #include "io/DemReader.h"
 #include "lighting/TileLight.h"
-#include "lighting/nodes/BouncePass.h"
-#include "lighting/nodes/HorizonPass.h"
+#include "lighting/nodes/BounceRays.h"
+#include "lighting/nodes/HorizonNode.h"
 #include "reference/PathTracer.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
@@ -31,21 +31,16 @@ SkyLight whiteSky()
 /// Irradiance / π of bounces 1 … n, each by itself, so that no rounding of their sum with direct
 /// light comes in.
 std::vector<Raster<osg::Vec4f>> bouncesOf(osg::State& state, const DemTile& tile,
-                                          LightingSettings settings, const SkyLight& sky,
+                                          const LightingSettings& settings, const SkyLight& sky,
                                           const Raster<Rgb>& albedo = {})
 {
     std::vector<Raster<osg::Vec4f>> found;
-    const int bounces = settings.bounces;
-    settings.bounces = 0;
     const osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky);
     lighting->setAlbedo(albedo);
-    for (settings.bounces = 1; settings.bounces <= bounces; ++settings.bounces)
-    {
-        lighting->setSettings(settings);
-        const Status done = lighting->update(state);
-        EXPECT_TRUE(done.ok()) << (done ? "" : done.error().message);
-        found.push_back(lighting->readLastBounce(state));
-    }
+    const Status done = lighting->update(state);
+    EXPECT_TRUE(done.ok()) << (done ? "" : done.error().message);
+    for (int bounce = 1; bounce <= settings.bounces; ++bounce)
+        found.push_back(lighting->readBounce(state, bounce));
     lighting->releaseGLObjects(&state);
     return found;
 }
@@ -453,9 +448,11 @@ TEST(Bounce, CostsNothingWhereNothingBounces)
         lighting->setSky(sky);
         ASSERT_TRUE(lighting->update(state).ok());
         for (const StageCost& cost : lighting->costs())
-            if (cost.name == "bounce" || cost.name == "pyramid")
+            if (cost.name == "bounce" || cost.name == "sent" || cost.name == "compose" ||
+                cost.name == "pyramid")
             {
-                EXPECT_EQ(cost.dispatches, 1u) << cost.name;
+                const bool isPerBounce = cost.name == "bounce" || cost.name == "sent";
+                EXPECT_EQ(cost.dispatches, isPerBounce ? 2u : 1u) << cost.name;
                 EXPECT_EQ(cost.bytes, 0u) << cost.name;
             }
         EXPECT_GE(lighting->bytes(), without);
@@ -700,14 +697,11 @@ TEST(HeightPyramid, KeepsPlanes)
     DemTile tile = analytic::makeTile(
         width, height, 1.0, [](int column, int row) { return 100.0 + 0.5 * column - 0.25 * row; });
     tile.setVoid(18, 20);
-    const osg::ref_ptr<osg::Texture2D> heights = createHeightTexture(tile, HorizonPass::frame);
-    const osg::ref_ptr<osg::Texture2D> spacings =
-        createFloatTexture(Raster<float>(1, height, 1.0f));
-    const osg::ref_ptr<BouncePass> pass =
-        new BouncePass(tile, heights, spacings, BounceScheme(), 4);
-    ASSERT_TRUE(pass->dispatchHeights(state).ok());
-    const PyramidLayout& layout = pass->layout();
-    const std::vector<float> texels = readFloats(state, *pass->heightPyramid(), 2);
+    const osg::ref_ptr<TileSurface> surface = new TileSurface(tile, HorizonNode::frame);
+    const osg::ref_ptr<PyramidNode> node = new PyramidNode(*surface);
+    ASSERT_TRUE(node->run(state).ok());
+    const PyramidLayout& layout = node->layout();
+    const std::vector<float> texels = readFloats(state, *node->pyramid()->texture(), 2);
     ASSERT_EQ(layout.levels.size(), 7u); // 37 x 50, 19 x 26, 10 x 14, 6 x 8, 4 x 5, 3 x 3, 2 x 2
     for (std::size_t level = 1; level < layout.levels.size(); ++level)
     {
@@ -742,7 +736,7 @@ TEST(HeightPyramid, KeepsPlanes)
     EXPECT_EQ(weightAt(8, 10), 1.0f);
     EXPECT_EQ(weightAt(0, 0), 9.0f / 16.0f);
     EXPECT_EQ(weightAt(0, 5), 12.0f / 16.0f);
-    pass->releaseGLObjects(&state);
+    node->releaseGLObjects(&state);
 }
 
 TEST(BounceSamples, AreOnePostApartAndThenGeometric)

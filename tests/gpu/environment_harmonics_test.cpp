@@ -204,7 +204,7 @@ osg::ref_ptr<osg::TextureCubeMap> cubeOf(int size, const std::vector<Rgb>& radia
 
 std::vector<float> bitsOf(osg::State& state, const EnvironmentHarmonicsPass& pass)
 {
-    return readFloats(state, *pass.harmonics(), 4);
+    return readFloats(state, *pass.harmonics()->texture(), 4);
 }
 
 Harmonics coefficients(const std::vector<float>& values)

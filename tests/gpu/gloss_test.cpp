@@ -2,7 +2,7 @@
 // against the path tracer, with the lobe as it is and with the four bands of it that order 4 has.
 #include "core/SyntheticTerrain.h"
 #include "lighting/TileLight.h"
-#include "lighting/nodes/GlossPass.h"
+#include "lighting/nodes/GlossNode.h"
 #include "reference/PathTracer.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
@@ -63,7 +63,7 @@ std::array<double, 16> basisAt(const Vector3& d)
 struct Glossy
 {
     int width = 0, height = 0;
-    std::vector<float> light; ///< GlossPass::layers
+    std::vector<float> light; ///< GlossWork::layers
     Raster<osg::Vec4f> shading;
 
     double at(int layer, int x, int y, int part) const
@@ -229,7 +229,7 @@ TEST(Gloss, PerPost)
     lighting->setGloss(gloss);
     ASSERT_TRUE(lighting->update(state).ok());
     const Glossy half = {24, 20, lighting->readGlossLight(state), {}};
-    for (int layer = 0; layer < GlossPass::layers; ++layer)
+    for (int layer = 0; layer < GlossWork::layers; ++layer)
         for (int y = 0; y < 20; ++y)
             for (int x = 0; x < 24; ++x)
                 EXPECT_EQ(half.at(layer, x, y, 2), x >= 12 || (layer == 12)
@@ -309,11 +309,13 @@ TEST(Gloss, CostsNothingWhereThereIsNone)
     settings.gloss = 0.5;
     lighting->setSettings(settings);
     ASSERT_TRUE(lighting->update(state).ok());
-    EXPECT_EQ(stage().dispatches, 1u);
-    // 13 layers for the viewer, 12 of each of two bounces and of a pyramid, of half floats; the
-    // pyramid is laid out as that of heights. A texel of material.
+    EXPECT_EQ(stage().dispatches, 3u) << "direct light, and two bounces";
+    // Half floats: 13 layers for the viewer and 12 for other terrain of direct light and of two
+    // bounces, but the last bounce, which no terrain receives, has one texel; one layer of each
+    // bounce's light with gloss; 12 layers of a pyramid laid out as that of heights. A texel of
+    // material.
     const PyramidLayout layout = PyramidLayout::ofPosts(33, 25);
-    const std::size_t expected = 33u * 25u * (13u + 2u * 12u) * 8u +
+    const std::size_t expected = 33u * 25u * (3u * 13u + 2u * 12u + 2u) * 8u + 12u * 8u +
                                  static_cast<std::size_t>(layout.width * layout.height) * 12u * 8u +
                                  8u;
     EXPECT_EQ(stage().bytes, expected);

@@ -3,7 +3,8 @@
 #include "core/SyntheticTerrain.h"
 #include "gpu/Textures.h"
 #include "lighting/TileLight.h"
-#include "lighting/nodes/LegendreBouncePass.h"
+#include "lighting/nodes/ComposeNode.h"
+#include "lighting/nodes/LegendreBounceNode.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/LegendreReference.h"
@@ -42,22 +43,40 @@ Bounce onGpu(osg::State& state, const DemTile& tile, const Colours& sent,
              const BounceScheme& scheme, int azimuths, AzimuthBlend blend = AzimuthBlend::Linear,
              int bounces = 1, int stride = 1)
 {
-    const osg::ref_ptr<HeightPyramid> pyramid =
-        new HeightPyramid(tile, createHeightTexture(tile, 1), 1);
-    const osg::ref_ptr<osg::Texture2D> eastSpacings = createSpacingTexture(tile);
-    const osg::ref_ptr<osg::Texture2D> albedo = createColourTexture(sent);
-    const osg::ref_ptr<osg::Texture2D> shading =
-        createColourTexture(Colours(tile.width(), tile.height(), {1.0f, 1.0f, 1.0f}));
-    const osg::ref_ptr<LegendreBouncePass> pass = new LegendreBouncePass(
-        tile, *pyramid, eastSpacings, {scheme, azimuths, blend, stride}, bounces);
-    Status done = pyramid->dispatch(state);
+    const osg::ref_ptr<TileInputs> inputs = new TileInputs;
+    inputs->albedo = std::make_shared<const Raster<Rgb>>(sent);
+    inputs->settings.bounces = bounces;
+    inputs->settings.azimuths = azimuths;
+    const osg::ref_ptr<TileSurface> surface = new TileSurface(tile, 1);
+    const osg::ref_ptr<PyramidNode> pyramid = new PyramidNode(*surface);
+    const osg::ref_ptr<LegendreGather> gather =
+        new LegendreGather(*pyramid, {scheme, azimuths, blend, stride});
+    const TextureLayout perPost = surface->perPost(GL_RGBA16F_ARB);
+    const osg::ref_ptr<Resource> direct = new Resource("direct", perPost);
+    direct->set(createColourTexture(Colours(tile.width(), tile.height(), {1.0f, 1.0f, 1.0f})));
+    const osg::ref_ptr<Resource> shading = new Resource("shading", perPost);
+    WorkGraph::Nodes nodes = {pyramid};
+    std::vector<osg::ref_ptr<Resource>> lights;
+    osg::ref_ptr<Resource> sends = direct;
+    for (int bounce = 0; bounce < bounces; ++bounce)
+    {
+        const osg::ref_ptr<LegendreSentNode> node =
+            new LegendreSentNode(*inputs, *surface, stride, sends, bounce > 0, false);
+        nodes.emplace_back(node);
+        lights.emplace_back(new Resource("bounce", perPost));
+        sends =
+            bounce + 1 < bounces ? new Resource("blocks", blockLayout(*surface, stride)) : nullptr;
+        nodes.emplace_back(new LegendreBounceNode(*pyramid, gather, node, lights.back(), sends));
+    }
+    nodes.emplace_back(new ComposeNode(*surface, direct, lights, shading));
+    WorkGraph graph;
+    Status done = graph.declare(nodes);
     if (done)
-        done = pass->dispatch(state, bounces, SkyLight(), nullptr, albedo, shading);
+        done = graph.run(state);
     EXPECT_TRUE(done.ok()) << (done ? "" : done.error().message);
-    const Result<std::vector<float>> light = pass->readLight(state);
-    EXPECT_TRUE(light.ok());
     EXPECT_EQ(takeGlErrors(), "");
-    return {coloursOf(*light, tile), coloursOf(readFloats(state, *shading, 4), tile)};
+    return {coloursOf(readFloats(state, *lights.back()->texture(), 4), tile),
+            coloursOf(readFloats(state, *shading->texture(), 4), tile)};
 }
 
 /// The scheme: irradiance / π at a post.
@@ -446,7 +465,7 @@ TEST(LegendreBounce, IsASettingOfTheLighting)
         const Status done = lighting->update(context->state());
         ASSERT_TRUE(done.ok()) << done.error().message;
         EXPECT_FALSE(lighting->isDirty(context->state().getContextID()));
-        lights.push_back(lighting->readLastBounce(context->state()).values());
+        lights.push_back(lighting->readBounce(context->state(), 1).values());
     }
     EXPECT_EQ(lights[0], lights[3]);
     double sums[4] = {};

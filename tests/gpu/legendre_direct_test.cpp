@@ -6,7 +6,7 @@
 #include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
 #include "lighting/TileLight.h"
-#include "lighting/nodes/LegendreDirectPass.h"
+#include "lighting/nodes/LegendreDirectNode.h"
 #include "reference/ExhaustiveHorizon.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
@@ -34,18 +34,20 @@ using Shading = Raster<osg::Vec4f>;
 Shading lit(osg::State& state, const DemTile& tile, const SkyLight& sky,
             const LegendreScheme& scheme)
 {
-    const osg::ref_ptr<HeightPyramid> pyramid =
-        new HeightPyramid(tile, createHeightTexture(tile, 1), 1);
-    const osg::ref_ptr<osg::Texture2D> shading =
-        createTarget(tile.width(), tile.height(), GL_RGBA16F_ARB);
-    const osg::ref_ptr<LegendreDirectPass> pass =
-        new LegendreDirectPass(tile, *pyramid, createSpacingTexture(tile), scheme);
-    Status done = pyramid->dispatch(state);
+    const osg::ref_ptr<TileInputs> inputs = new TileInputs;
+    inputs->sky = sky;
+    const osg::ref_ptr<TileSurface> surface = new TileSurface(tile, 1);
+    const osg::ref_ptr<PyramidNode> pyramid = new PyramidNode(*surface);
+    const osg::ref_ptr<Resource> shading =
+        new Resource("shading", surface->perPost(GL_RGBA16F_ARB));
+    WorkGraph graph;
+    Status done =
+        graph.declare({pyramid, new LegendreDirectNode(*inputs, *pyramid, scheme, shading)});
     if (done)
-        done = pass->dispatch(state, sky, shading);
+        done = graph.run(state);
     EXPECT_TRUE(done.ok()) << (done ? "" : done.error().message);
     EXPECT_EQ(takeGlErrors(), "");
-    const std::vector<float> values = readFloats(state, *shading, 4);
+    const std::vector<float> values = readFloats(state, *shading->texture(), 4);
     Shading colours(tile.width(), tile.height());
     for (std::size_t i = 0; i < colours.size(); ++i)
         colours.values()[i] =
@@ -564,7 +566,7 @@ TEST(LegendreDirect, SubsamplingChangesASmoothBowlLittle)
         const Status done = lighting->update(context->state());
         ASSERT_TRUE(done.ok()) << done.error().message;
         all.push_back(lighting->readShading(context->state()));
-        last.push_back(lighting->readLastBounce(context->state()));
+        last.push_back(lighting->readBounce(context->state(), settings.bounces));
         direct.push_back(lit(context->state(), tile, sky, LegendreScheme::of(settings)));
     }
     const auto difference = [](const std::vector<Shading>& found, std::size_t i)
@@ -656,7 +658,7 @@ TEST(LegendreDirect, NeedsNoHorizonAndNoSweep)
             EXPECT_EQ(costsOf(*fresh)[stage].dispatches, 0u);
         }
         EXPECT_EQ(costsOf(*fresh)["pyramid"].dispatches, 1u);
-        EXPECT_EQ(costsOf(*fresh)["bounce"].dispatches, bounces > 0 ? 1u : 0u);
+        EXPECT_EQ(costsOf(*fresh)["bounce"].dispatches, static_cast<unsigned>(bounces));
         EXPECT_EQ(lighting->bytes(), fresh->bytes());
         EXPECT_EQ(lighting->readShading(state).values(), fresh->readShading(state).values());
     }

@@ -1,7 +1,7 @@
 // Light probes: against closed forms on a plain, and in a deep valley against the path tracer,
 // which receives on a small triangle at the probe's place.
 #include "lighting/TileLight.h"
-#include "lighting/nodes/ProbePass.h"
+#include "lighting/nodes/ProbeNode.h"
 #include "reference/PathTracer.h"
 #include "support/AnalyticTerrain.h"
 #include "support/CubeMap.h"
@@ -22,7 +22,7 @@ using reference::Vector3;
 namespace
 {
 constexpr double pi = 3.14159265358979323846;
-constexpr int side = ProbePass::mapSize;
+constexpr int side = ProbeNode::mapSize;
 
 ProbePlace probeAt(double column, double row, double height)
 {

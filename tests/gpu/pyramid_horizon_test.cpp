@@ -2,8 +2,8 @@
 // reference in double.
 #include "core/SyntheticTerrain.h"
 #include "gpu/Textures.h"
-#include "lighting/nodes/HorizonPass.h"
-#include "lighting/nodes/PyramidHorizonPass.h"
+#include "lighting/nodes/HorizonNode.h"
+#include "lighting/nodes/PyramidHorizonNode.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/Horizons.h"
@@ -21,20 +21,24 @@ using osgTerrainLight::testing::HorizonError;
 
 namespace
 {
-using Join = PyramidHorizonPass::Join;
+using Join = PyramidHorizonNode::Join;
 constexpr double degrees = 180.0 / 3.14159265358979323846;
 
 HorizonMap horizonsOf(osg::State& state, const DemTile& tile, const BounceScheme& scheme,
                       int azimuths, Join join)
 {
-    const osg::ref_ptr<osg::Texture2D> heights = createHeightTexture(tile, HorizonPass::frame);
-    const osg::ref_ptr<PyramidHorizonPass> pass =
-        new PyramidHorizonPass(tile, heights, scheme, azimuths, join);
-    const Status done = pass->dispatch(state);
+    const osg::ref_ptr<TileSurface> surface = new TileSurface(tile, HorizonNode::frame);
+    const osg::ref_ptr<PyramidNode> pyramid = new PyramidNode(*surface);
+    const osg::ref_ptr<PyramidHorizonNode> scan =
+        new PyramidHorizonNode(*pyramid, scheme, azimuths, join);
+    WorkGraph graph;
+    Status done = graph.declare({pyramid, scan});
+    if (done)
+        done = graph.run(state);
     EXPECT_TRUE(done.ok()) << (done ? "" : done.error().message);
     EXPECT_EQ(takeGlErrors(), "");
     HorizonMap map(tile.width(), tile.height(), azimuths);
-    map.codes() = readUnorm16(state, *pass->horizon());
+    map.codes() = readUnorm16(state, *scan->horizon()->texture());
     return map;
 }
 } // namespace

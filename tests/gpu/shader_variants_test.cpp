@@ -1,6 +1,6 @@
 #include "gpu/ShaderLibrary.h"
 #include "gpu/Textures.h"
-#include "lighting/nodes/HorizonPass.h"
+#include "lighting/nodes/HorizonNode.h"
 #include "support/GlContext.h"
 
 #include <osg/GLExtensions>
@@ -25,8 +25,6 @@ struct Variant
 
 /// Every combination of defines in use. One that is not listed does not exist.
 const std::vector<Variant> variants = {
-    {"add_light", {}},
-    {"add_light", {"SHADING"}},
     {"bounce", {}},
     {"bounce", {"NEAR"}},
     {"bounce", {"FAR"}},
@@ -48,6 +46,7 @@ const std::vector<Variant> variants = {
     {"bounce", {"DIRECT", "NEAR", "KEY_LIGHTS", "SUN"}},
     {"bounce", {"DIRECT", "NEAR", "SKY_TABLE", "KEY_LIGHTS"}},
     {"bounce", {"DIRECT", "NEAR", "SKY_TABLE", "KEY_LIGHTS", "SUN"}},
+    {"compose", {}},
     {"environment_harmonics", {"ORDER 2"}},
     {"environment_harmonics", {"ORDER 3"}},
     {"environment_harmonics", {"ORDER 4"}},
@@ -265,10 +264,13 @@ TEST(ShaderVariants, EveryQualityRunsWithListedOnes)
                                     { return nameOf(listed) == nameOf(used); }))
                 << nameOf(used);
         }
-        const osg::ref_ptr<osg::Texture2D> heights = createHeightTexture(tile, HorizonPass::frame);
-        const osg::ref_ptr<HorizonPass> pass = new HorizonPass(tile, heights, scheme, 2);
-        pass->setDirections({{1.0, 0.0}, {-0.6, 0.8}});
-        const Status done = pass->dispatch(context->state());
+        const osg::ref_ptr<TileSurface> surface = new TileSurface(tile, HorizonNode::frame);
+        const osg::ref_ptr<HorizonNode> node =
+            new HorizonNode("horizon", *surface, scheme, 2,
+                            [] {
+                                return std::vector<MapDirection>{{1.0, 0.0}, {-0.6, 0.8}};
+                            });
+        const Status done = node->run(context->state());
         EXPECT_TRUE(done.ok()) << (done ? "" : done.error().message);
         EXPECT_EQ(takeGlErrors(), "");
     }

@@ -449,12 +449,13 @@ TEST(TerrainLighting, BouncesOfEveryNthFrameCatchUpWithLightThatStandsStill)
         picture.draw();
         counts = lighting->getDispatchCounts();
         EXPECT_EQ(counts["bounce"], 3u + frame);
-        EXPECT_EQ(counts["indirect"], 2 * frame);
+        EXPECT_EQ(counts["compose"], 3 * (1 + frame));
         EXPECT_EQ(counts["shade"], 3 * (1 + frame));
     }
     picture.draw();
     counts["bounce"] += 2; // the one whose turn it was is up to date
-    counts["shade"] += 2;
+    counts["sent"] += 2;
+    counts["compose"] += 2;
     EXPECT_EQ(lighting->getDispatchCounts(), counts);
     picture.draw(10);
     EXPECT_EQ(lighting->getDispatchCounts(), counts);

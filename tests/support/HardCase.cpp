@@ -5,7 +5,7 @@
 #include "core/Raster.h"
 #include "io/DemReader.h"
 #include "lighting/TileLight.h"
-#include "lighting/nodes/HorizonPass.h"
+#include "lighting/nodes/HorizonNode.h"
 #include "support/Precisions.h"
 
 #include <gdal_priv.h>

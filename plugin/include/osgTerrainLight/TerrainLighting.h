@@ -148,9 +148,9 @@ public:
     /// Of those that can be lit.
     std::size_t getTileCount() const;
 
-    /// Runs of each stage (heights that change, horizon, table, sky, sun, key, pyramid, shade,
-    /// gloss, bounce, indirect, probe) since creation, all tiles and contexts. A still scene adds
-    /// none.
+    /// Runs of each stage (heights that change, horizon, table, sky, key, sun, pyramid, shade,
+    /// gloss, sent, bounce, compose, probe) since creation, all tiles and contexts; of sent, bounce
+    /// and gloss one per bounce. A still scene adds none.
     std::map<std::string, unsigned> getDispatchCounts() const;
     unsigned getDispatchCount() const;
 

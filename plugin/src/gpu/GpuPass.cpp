@@ -24,24 +24,67 @@ void GpuPass::setDefines(std::vector<std::string> defines)
     _program = nullptr;
 }
 
-void GpuPass::reads(const std::string& uniform, osg::Texture* texture)
+GpuPass::Input& GpuPass::input(const std::string& uniform)
 {
     for (Input& input : _inputs)
         if (input.uniform == uniform)
-        {
-            input.texture = texture;
-            return;
-        }
+            return input;
     set(uniform, static_cast<int>(_inputs.size()));
-    _inputs.push_back({uniform, texture});
+    _inputs.push_back({uniform, nullptr, nullptr});
+    return _inputs.back();
+}
+
+void GpuPass::reads(const std::string& uniform, osg::Texture* texture)
+{
+    input(uniform) = {uniform, texture, nullptr};
+}
+
+void GpuPass::reads(const std::string& uniform, Resource* resource)
+{
+    input(uniform) = {uniform, nullptr, resource};
 }
 
 void GpuPass::writes(unsigned unit, osg::Texture* texture, Access access)
 {
     if (_outputs.size() <= unit)
         _outputs.resize(unit + 1);
-    _outputs[unit] = {texture, access};
+    _outputs[unit] = {texture, access, nullptr};
 }
+
+void GpuPass::writes(unsigned unit, Resource* resource, Access access)
+{
+    writes(unit, static_cast<osg::Texture*>(nullptr), access);
+    _outputs[unit].resource = resource;
+}
+
+/// Has the textures of resources while it lives, so that no pass keeps one that is dropped.
+class GpuPass::Resolved
+{
+public:
+    explicit Resolved(GpuPass& pass) : _pass(pass)
+    {
+        for (Input& input : _pass._inputs)
+            if (input.resource)
+                input.texture = input.resource->texture();
+        for (Output& output : _pass._outputs)
+            if (output.resource)
+                output.texture = output.resource->make();
+    }
+    ~Resolved()
+    {
+        for (Input& input : _pass._inputs)
+            if (input.resource)
+                input.texture = nullptr;
+        for (Output& output : _pass._outputs)
+            if (output.resource)
+                output.texture = nullptr;
+    }
+    Resolved(const Resolved&) = delete;
+    Resolved& operator=(const Resolved&) = delete;
+
+private:
+    GpuPass& _pass;
+};
 
 void GpuPass::set(const std::string& uniform, int x, int y)
 {
@@ -110,6 +153,12 @@ Status GpuPass::build(osg::State& state)
 }
 
 Status GpuPass::dispatch(osg::State& state, Groups groups)
+{
+    const Resolved resolved(*this);
+    return dispatchResolved(state, groups);
+}
+
+Status GpuPass::dispatchResolved(osg::State& state, Groups groups)
 {
     Status built = build(state);
     if (!built)

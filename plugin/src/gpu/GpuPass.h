@@ -3,6 +3,7 @@
 #include <osgTerrainLight/Export.h>
 
 #include "core/Result.h"
+#include "gpu/Resource.h"
 #include "gpu/ShaderLibrary.h"
 
 #include <osg/Array>
@@ -38,6 +39,12 @@ public:
     /// the variant has no such sampler or does not read it, and what it read before is let go. Its
     /// unit remains: OpenGL forbids two types of sampler in one.
     void reads(const std::string& uniform, osg::Texture* texture);
+    /// The same of the texture that the resource has when the pass is dispatched.
+    void reads(const std::string& uniform, Resource* resource);
+    void reads(const std::string& uniform, std::nullptr_t)
+    {
+        reads(uniform, static_cast<osg::Texture*>(nullptr));
+    }
 
     enum class Access
     {
@@ -47,6 +54,7 @@ public:
     /// Declares that image unit `unit` is written, or read and written. Units are declared from 0
     /// up. Arrays, cube maps and 3D textures are bound with all their layers, faces or slices.
     void writes(unsigned unit, osg::Texture* texture, Access access = Access::Write);
+    void writes(unsigned unit, Resource* resource, Access access = Access::Write);
 
     template <class T>
     void set(const std::string& uniform, const T& value)
@@ -95,12 +103,17 @@ private:
     {
         std::string uniform;
         osg::ref_ptr<osg::Texture> texture;
+        osg::ref_ptr<Resource> resource; ///< where the texture comes from; null: it is given
     };
     struct Output
     {
         osg::ref_ptr<osg::Texture> texture;
         Access access = Access::Write;
+        osg::ref_ptr<Resource> resource; ///< as above
     };
+    class Resolved;
+    Status dispatchResolved(osg::State& state, Groups groups);
+    Input& input(const std::string& uniform);
 
     std::string _name;
     std::vector<std::string> _defines;

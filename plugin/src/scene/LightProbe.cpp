@@ -1,6 +1,6 @@
 #include <osgTerrainLight/LightProbe.h>
 
-#include "lighting/nodes/ProbePass.h"
+#include "lighting/nodes/ProbeNode.h"
 
 #include <osg/GL>
 #include <osg/Notify>
@@ -26,8 +26,8 @@ bool refused(bool wrong, const char* sentence)
 } // namespace
 
 LightProbe::LightProbe()
-    : _diffuse(IrradianceMapPass::createMap(ProbePass::mapSize)),
-      _glossy(IrradianceMapPass::createMap(ProbePass::mapSize)), _stateSet(new osg::StateSet)
+    : _diffuse(IrradianceMapPass::createMap(ProbeNode::mapSize)),
+      _glossy(IrradianceMapPass::createMap(ProbeNode::mapSize)), _stateSet(new osg::StateSet)
 {
     _stateSet->setDataVariance(osg::Object::DYNAMIC); // the exponent may change
     _stateSet->setTextureAttribute(diffuseUnit, _diffuse);

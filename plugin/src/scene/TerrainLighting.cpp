@@ -7,6 +7,7 @@
 #include "core/SettingsTable.h"
 #include "core/SkyRadiance.h"
 #include "gpu/ShaderLibrary.h"
+#include "lighting/nodes/GlossNode.h"
 #include "scene/ComputeNode.h"
 #include "scene/ProbeList.h"
 #include "scene/TerrainTiles.h"
@@ -27,12 +28,12 @@ void warn(const std::string& sentence)
     OSG_WARN << "osgTerrainLight: " << sentence << std::endl;
 }
 
-/// Of ground that sends nothing by gloss: as GlossPass' light, of one texel.
+/// Of ground that sends nothing by gloss: as that of GlossWork, of one texel.
 osg::ref_ptr<osg::Texture2DArray> createNoGloss()
 {
     osg::ref_ptr<osg::Texture2DArray> dark = new osg::Texture2DArray;
-    dark->setTextureSize(1, 1, GlossPass::layers);
-    for (unsigned layer = 0; layer < GlossPass::layers; ++layer)
+    dark->setTextureSize(1, 1, GlossWork::layers);
+    for (unsigned layer = 0; layer < GlossWork::layers; ++layer)
     {
         osg::ref_ptr<osg::Image> texel = new osg::Image;
         texel->allocateImage(1, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE);

@@ -2,7 +2,6 @@
 
 #include "glsl_host.h"
 #include "gpu/GlConstants.h"
-#include "gpu/Textures.h"
 
 #include <algorithm>
 #include <cassert>
@@ -37,12 +36,16 @@ osg::ref_ptr<osg::Uniform> bandsUniform(const Glsl<double>::ShBands& bands, doub
 } // namespace
 
 EnvironmentHarmonicsPass::EnvironmentHarmonicsPass(int order)
-    : _order(order), _harmonics(createTarget(order * order, 1, GL_RGBA32F_ARB)),
-      _picture(new GpuPass("environment_harmonics", {orderDefine(order)})),
-      _cube(new GpuPass("environment_harmonics", {orderDefine(order), "CUBE"})),
-      _sum(new GpuPass("harmonics_sum"))
+    : _order(order), _partials(own(new Resource("partial sums", TextureLayout()))),
+      _harmonics(own(new Resource("harmonics", {order * order, 1, 0, GL_RGBA32F_ARB}))),
+      _picture(own(new GpuPass("environment_harmonics", {orderDefine(order)}))),
+      _cube(own(new GpuPass("environment_harmonics", {orderDefine(order), "CUBE"}))),
+      _sum(own(new GpuPass("harmonics_sum")))
 {
     assert(order >= 2 && order <= 6);
+    for (GpuPass* pass : {_picture, _cube})
+        pass->writes(0, _partials);
+    _sum->reads("partials", _partials);
     _sum->writes(0, _harmonics);
 }
 
@@ -55,6 +58,15 @@ Status EnvironmentHarmonicsPass::dispatch(osg::State& state, osg::Texture2D* pic
     _picture->set("heading", static_cast<float>(std::remainder(heading, 360.0) * radiansPerDegree));
     _picture->set("parts", partsOf(rows));
     return project(state, *_picture, std::min(rows, 512), gain);
+}
+
+Status EnvironmentHarmonicsPass::dispatch(osg::State& state, Resource* picture)
+{
+    const int rows = picture->layout().height;
+    _picture->reads("environment", picture);
+    _picture->set("heading", 0.0f);
+    _picture->set("parts", partsOf(rows));
+    return project(state, *_picture, std::min(rows, 512), 1.0);
 }
 
 Status EnvironmentHarmonicsPass::dispatch(osg::State& state, osg::TextureCubeMap* map, double gain)
@@ -76,10 +88,8 @@ Status EnvironmentHarmonicsPass::dispatch(osg::State& state, osg::TextureCubeMap
 
 Status EnvironmentHarmonicsPass::project(osg::State& state, GpuPass& pass, int groups, double gain)
 {
-    if (!_partials || _partials->getTextureHeight() < groups)
-        _partials = createTarget(_order * _order, groups, GL_RGBA32F_ARB);
-    pass.writes(0, _partials);
-    _sum->reads("partials", _partials);
+    if (_partials->layout().height < groups)
+        _partials->setLayout({_order * _order, groups, 0, GL_RGBA32F_ARB});
     Status done = pass.dispatch(state, {static_cast<unsigned>(groups), 1, 1});
     if (!done)
         return done;
@@ -88,31 +98,8 @@ Status EnvironmentHarmonicsPass::project(osg::State& state, GpuPass& pass, int g
     return _sum->dispatch(state, {static_cast<unsigned>(_order * _order), 1, 1});
 }
 
-std::size_t EnvironmentHarmonicsPass::bytes() const
-{
-    return (_partials ? textureBytes(*_partials) : 0) + textureBytes(*_harmonics);
-}
-
-void EnvironmentHarmonicsPass::releaseGLObjects(osg::State* state) const
-{
-    for (const auto& pass : {_picture, _cube, _sum})
-        pass->releaseGLObjects(state);
-    for (const auto& texture : {_partials, _harmonics})
-        if (texture)
-            texture->releaseGLObjects(state);
-}
-
-void EnvironmentHarmonicsPass::resizeGLObjectBuffers(unsigned size)
-{
-    for (const auto& pass : {_picture, _cube, _sum})
-        pass->resizeGLObjectBuffers(size);
-    for (const auto& texture : {_partials, _harmonics})
-        if (texture)
-            texture->resizeGLObjectBuffers(size);
-}
-
-IrradianceMapPass::IrradianceMapPass(osg::Texture2D* harmonics, int order)
-    : _order(order), _pass(new GpuPass("irradiance_map", {orderDefine(order)}))
+IrradianceMapPass::IrradianceMapPass(Resource* harmonics, int order)
+    : _order(order), _pass(own(new GpuPass("irradiance_map", {orderDefine(order)})))
 {
     _pass->reads("harmonics", harmonics);
 }

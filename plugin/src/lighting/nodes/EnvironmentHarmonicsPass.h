@@ -3,19 +3,17 @@
 #include <osgTerrainLight/Export.h>
 
 #include "core/Result.h"
-#include "gpu/GpuPass.h"
+#include "gpu/WorkGraph.h"
 
 #include <osg/Texture2D>
 #include <osg/TextureCubeMap>
-
-#include <cstddef>
 
 namespace osgTerrainLight
 {
 
 /// An environment in spherical harmonics (King 2005, section 10.3.1): one pass over its texels, and
 /// one that adds what its groups found. Sums are in a fixed order: the same bits in every run.
-class OSGTERRAINLIGHT_EXPORT EnvironmentHarmonicsPass : public osg::Referenced
+class OSGTERRAINLIGHT_EXPORT EnvironmentHarmonicsPass : public GpuWork
 {
 public:
     /// order: 2 … 6, for 4 … 36 coefficients.
@@ -27,34 +25,32 @@ public:
     /// that it is turned clockwise; gain: what it is multiplied by.
     Status dispatch(osg::State& state, osg::Texture2D* picture, double heading = 0.0,
                     double gain = 1.0);
+    /// The same of one that a pass has written.
+    Status dispatch(osg::State& state, Resource* picture);
     /// Of a cube map as a host draws one: what texture(map, d) gives towards d, x east, y north, z
     /// up; level 0 alone is read. Its size is that of its images, or of setTextureSize(), and 4 …
     /// 8192; another is an error, Invalid.
     Status dispatch(osg::State& state, osg::TextureCubeMap* map, double gain = 1.0);
 
     /// RGBA32F, order² × 1: rgb = coefficient (l, m) at l (l + 1) + m (docs/CONVENTIONS.md), a = 1.
-    osg::Texture2D* harmonics() const { return _harmonics; }
-
-    std::size_t bytes() const;
-    void releaseGLObjects(osg::State* state) const;
-    void resizeGLObjectBuffers(unsigned size);
+    Resource* harmonics() const { return _harmonics; }
 
 private:
     ~EnvironmentHarmonicsPass() override = default;
     Status project(osg::State& state, GpuPass& pass, int groups, double gain);
 
     int _order;
-    osg::ref_ptr<osg::Texture2D> _partials; ///< what groups found, a row each
-    osg::ref_ptr<osg::Texture2D> _harmonics;
-    osg::ref_ptr<GpuPass> _picture, _cube, _sum;
+    Resource* _partials; ///< what groups found, a row each
+    Resource* _harmonics;
+    GpuPass *_picture, *_cube, *_sum;
 };
 
 /// A cube map of an environment convolved with a kernel (King 2005, section 10.3.2).
-class OSGTERRAINLIGHT_EXPORT IrradianceMapPass : public osg::Referenced
+class OSGTERRAINLIGHT_EXPORT IrradianceMapPass : public GpuWork
 {
 public:
     /// Reads RGBA32F harmonics of an order, as EnvironmentHarmonicsPass has them.
-    IrradianceMapPass(osg::Texture2D* harmonics, int order);
+    IrradianceMapPass(Resource* harmonics, int order);
 
     /// RGBA16F, without content: for light in all directions.
     static osg::ref_ptr<osg::TextureCubeMap> createMap(int size);
@@ -64,7 +60,7 @@ public:
     {
         /// R32F, three texels: the horizon's elevation [rad] towards the disc's left, centre and
         /// right; null: alpha is `fraction`.
-        osg::Texture2D* horizon = nullptr;
+        Resource* horizon = nullptr;
         double elevation = 0.0; ///< [degrees]
         double radius = 0.2666; ///< [degrees]
         double fraction = 1.0;
@@ -78,16 +74,13 @@ public:
     Status dispatchGlossy(osg::State& state, osg::TextureCubeMap* map, double exponent,
                           const Sun& sun);
 
-    void releaseGLObjects(osg::State* state) const { _pass->releaseGLObjects(state); }
-    void resizeGLObjectBuffers(unsigned size) { _pass->resizeGLObjectBuffers(size); }
-
 private:
     ~IrradianceMapPass() override = default;
     Status dispatch(osg::State& state, osg::TextureCubeMap* map, osg::Uniform* bands,
                     const Sun& sun);
 
     int _order;
-    osg::ref_ptr<GpuPass> _pass;
+    GpuPass* _pass;
 };
 
 } // namespace osgTerrainLight

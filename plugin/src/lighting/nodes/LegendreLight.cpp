@@ -22,16 +22,14 @@ LegendreScheme LegendreScheme::of(const LightingSettings& settings)
     return scheme;
 }
 
-osg::ref_ptr<GpuPass> createLegendreLight(std::vector<std::string> defines, const DemTile& tile,
-                                          const HeightPyramid& pyramid,
-                                          osg::Texture2D* eastSpacings,
-                                          const LegendreScheme& scheme)
+osg::ref_ptr<GpuPass> createLegendreLight(std::vector<std::string> defines,
+                                          const PyramidNode& pyramid, const LegendreScheme& scheme)
 {
     constexpr double pi = 3.14159265358979323846;
     if (scheme.stride > 1)
         defines.emplace_back("SUBSAMPLED");
     osg::ref_ptr<GpuPass> pass = new GpuPass("legendre_light", std::move(defines));
-    setPyramidScan(*pass, tile, scheme.rays, pyramid, eastSpacings);
+    setPyramidScan(*pass, scheme.rays, pyramid);
     const std::array<double, 4> even =
         WedgeMatrices(2.0 * pi / scheme.azimuths).weights(scheme.blend).even;
     pass->set("orderWeights", osg::Vec4f(static_cast<float>(even[0]), static_cast<float>(even[1]),
@@ -40,11 +38,12 @@ osg::ref_ptr<GpuPass> createLegendreLight(std::vector<std::string> defines, cons
     return pass;
 }
 
-GpuPass::Groups legendreGroups(int width, int height, int stride)
+GpuPass::Groups legendreGroups(const TileSurface& surface, int stride)
 {
     // A group of 8 · 8 gathers for all posts, or shades the 7 · 7 blocks between its own.
     const int side = stride == 1 ? 8 : 7 * stride;
-    return {GpuPass::groupsFor(width, side), GpuPass::groupsFor(height, side), 1};
+    return {GpuPass::groupsFor(surface.width(), side), GpuPass::groupsFor(surface.height(), side),
+            1};
 }
 
 } // namespace osgTerrainLight

@@ -1,13 +1,12 @@
 #pragma once
 
-#include <osgTerrainLight/DemTile.h>
 #include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/LightingSettings.h>
 
 #include "core/WedgeMatrices.h"
 #include "gpu/GpuPass.h"
-#include "lighting/nodes/BouncePass.h"
-#include "lighting/nodes/HeightPyramid.h"
+#include "lighting/nodes/BounceRays.h"
+#include "lighting/nodes/PyramidNode.h"
 
 #include <string>
 #include <vector>
@@ -31,11 +30,8 @@ struct OSGTERRAINLIGHT_EXPORT LegendreScheme
 };
 
 /// A variant of legendre_light.comp, with all that does not depend on light or bounce.
-/// eastSpacings: createSpacingTexture(tile).
-osg::ref_ptr<GpuPass> createLegendreLight(std::vector<std::string> defines, const DemTile& tile,
-                                          const HeightPyramid& pyramid,
-                                          osg::Texture2D* eastSpacings,
-                                          const LegendreScheme& scheme);
-GpuPass::Groups legendreGroups(int width, int height, int stride);
+osg::ref_ptr<GpuPass> createLegendreLight(std::vector<std::string> defines,
+                                          const PyramidNode& pyramid, const LegendreScheme& scheme);
+GpuPass::Groups legendreGroups(const TileSurface& surface, int stride);
 
 } // namespace osgTerrainLight

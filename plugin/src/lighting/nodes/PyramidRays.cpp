@@ -33,16 +33,12 @@ std::vector<MapDirection> directionsOf(const AzimuthSet& set)
     return directions;
 }
 
-void setPyramidScan(GpuPass& pass, const DemTile& tile, const BounceScheme& scheme,
-                    const HeightPyramid& pyramid, osg::Texture2D* eastSpacings)
+void setPyramidScan(GpuPass& pass, const BounceScheme& scheme, const PyramidNode& pyramid)
 {
-    const int reach = std::max(tile.width(), tile.height()) - 1;
-    pass.reads("heights", pyramid.heights());
-    pass.reads("eastSpacings", eastSpacings);
-    pass.reads("heightPyramid", pyramid.texture());
-    pass.set("northSpacing", static_cast<float>(tile.northSpacing));
-    pass.set("size", tile.width(), tile.height());
-    pass.set("frame", pyramid.frame());
+    const TileSurface& surface = pyramid.surface();
+    const int reach = std::max(surface.width(), surface.height()) - 1;
+    surface.bind(pass);
+    pass.reads("heightPyramid", pyramid.pyramid());
     pass.set("levelCount", static_cast<int>(pyramid.layout().levels.size()));
     setLevels(pass, "levels", pyramid.layout());
     pass.set("samplesPerOctave", static_cast<float>(scheme.samplesPerOctave));

@@ -1,11 +1,9 @@
 #pragma once
 
-#include <osgTerrainLight/DemTile.h>
-
 #include "core/AzimuthSet.h"
 #include "gpu/GpuPass.h"
-#include "lighting/nodes/BouncePass.h"
-#include "lighting/nodes/HeightPyramid.h"
+#include "lighting/nodes/BounceRays.h"
+#include "lighting/nodes/PyramidNode.h"
 
 #include <osg/Vec4f>
 
@@ -22,10 +20,8 @@ std::vector<osg::Vec4f> raySteps(double eastSpacing, double northSpacing,
 /// All directions of a set, in its order.
 std::vector<MapDirection> directionsOf(const AzimuthSet& set);
 
-/// Sets what a pass that scans a pyramid from every post needs beside the rays: heights,
-/// eastSpacings, northSpacing, heightPyramid, size, frame, samplesPerOctave, offset, sampleCount,
-/// levelCount and levels. eastSpacings: createSpacingTexture(tile).
-void setPyramidScan(GpuPass& pass, const DemTile& tile, const BounceScheme& scheme,
-                    const HeightPyramid& pyramid, osg::Texture2D* eastSpacings);
+/// Sets what a pass that scans a pyramid from every post needs beside the rays: what the surface
+/// binds, heightPyramid, samplesPerOctave, offset, sampleCount, levelCount and levels.
+void setPyramidScan(GpuPass& pass, const BounceScheme& scheme, const PyramidNode& pyramid);
 
 } // namespace osgTerrainLight

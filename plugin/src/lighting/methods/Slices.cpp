@@ -1,0 +1,109 @@
+#include "lighting/methods/Slices.h"
+
+#include "gpu/GlConstants.h"
+#include "lighting/nodes/ShadeNode.h"
+
+namespace osgTerrainLight
+{
+
+Slices::Slices(const TileInputs& inputs, const TileSurface& surface, SkyTableNode* table)
+    : _inputs(&inputs), _surface(&surface), _sky(new Sky(inputs, surface, table)),
+      _sun(new Sun(inputs, surface)),
+      _keys(new KeyLights(inputs, surface)), _lights{_sky, _keys, _sun}
+{
+}
+
+WorkGraph::Nodes Slices::sources() const
+{
+    WorkGraph::Nodes nodes;
+    for (const auto& light : _lights)
+        for (const auto& node : light->nodes())
+            nodes.push_back(node);
+    return nodes;
+}
+
+std::vector<HorizonNode*> Slices::horizons() const
+{
+    return {&_sky->horizon(), &_sun->horizon(), &_keys->horizon()};
+}
+
+void Slices::follow(const SkyLight& before)
+{
+    for (const auto& light : _lights)
+        light->follow(before);
+}
+
+void Slices::declareDirect(WorkGraph::Nodes& nodes, Resource* direct, int bounces,
+                           Resource* lightOfGloss)
+{
+    _bounces = bounces;
+    _bounce = 0;
+    _light = direct;
+    _lightOfGloss = lightOfGloss;
+    _gloss = nullptr;
+    _rays = nullptr;
+    _first = _next = nullptr;
+    if (bounces > 0)
+    {
+        _pyramid = new PyramidNode(*_surface);
+        _pyramid->follows(_inputs->settingsValue);
+        nodes.emplace_back(_pyramid);
+        const LightingSettings& settings = _inputs->settings;
+        _rays = new BounceRays(*_pyramid, BounceScheme::of(settings.quality), settings.azimuths);
+        osg::ref_ptr<Resource> far; // all bounces use it in turn
+        if (settings.subsampling > 1)
+            far = new Resource("far light", Gather::farLayout(*_surface, settings));
+        _first = new Gather(*_inputs, *_surface, _rays, _lights, horizon(), far, true);
+        _next = new Gather(*_inputs, *_surface, _rays, {}, horizon(), far, false);
+    }
+    nodes.emplace_back(new ShadeNode(*_inputs, *_surface, skyView(), _lights, direct));
+    if (_inputs->isGlossy())
+        declareGloss(nodes);
+}
+
+void Slices::declareGloss(WorkGraph::Nodes& nodes)
+{
+    _gloss = new GlossWork(*_inputs, *_surface, _rays, horizon());
+    _glossSoFar = _bounces == 0 ? _lightOfGloss.get() : _gloss->createLight();
+    _exit = _gloss->createExit(_bounces > 0);
+    nodes.emplace_back(
+        new GlossNode(*_inputs, _gloss, {_keys}, horizon(), _light, _glossSoFar, _exit));
+}
+
+osg::ref_ptr<Resource> Slices::declareBounce(WorkGraph::Nodes& nodes)
+{
+    const bool isFirst = _bounce++ == 0;
+    _sent = isFirst ? new SentNode(*_inputs, *_surface, *_rays, _lights, horizon())
+                    : new SentNode(*_inputs, *_surface, *_rays, _light);
+    if (_gloss && !_gloss->isVector())
+        _sent->addGloss(*_gloss, _exit);
+    nodes.emplace_back(_sent);
+    const osg::ref_ptr<Resource> light =
+        new Resource("light of a bounce", _surface->perPost(GL_RGBA16F_ARB));
+    const osg::ref_ptr<BounceNode> bounce = new BounceNode(
+        *_surface, *_pyramid, isFirst ? _first : _next, _sent, horizon(), _light, light);
+    if (isFirst)
+        bounce->followsLight(*_inputs, _lights);
+    nodes.emplace_back(bounce);
+    _light = _gloss ? declareGlossBounce(nodes, light) : light;
+    return _light;
+}
+
+/// Returns the light of the bounce with what gloss adds to it.
+osg::ref_ptr<Resource> Slices::declareGlossBounce(WorkGraph::Nodes& nodes, Resource* diffuse)
+{
+    osg::ref_ptr<Resource> bounced = diffuse;
+    if (_gloss->isVector())
+        bounced = new Resource("light of a bounce", _surface->perPost(GL_RGBA16F_ARB));
+    const bool isLast = _bounce == _bounces;
+    const osg::ref_ptr<Resource> light = isLast ? _lightOfGloss.get() : _gloss->createLight();
+    const osg::ref_ptr<Resource> exit = _gloss->createExit(!isLast);
+    nodes.emplace_back(
+        new GlossBounceNode(*_surface, *_pyramid, _gloss, _sent, horizon(),
+                            {_sent, _exit, exit, _glossSoFar, light, diffuse, bounced}));
+    _exit = exit;
+    _glossSoFar = light;
+    return bounced;
+}
+
+} // namespace osgTerrainLight

@@ -1,0 +1,70 @@
+#include "lighting/nodes/SentNode.h"
+
+#include "gpu/GlConstants.h"
+
+#include <algorithm>
+
+namespace osgTerrainLight
+{
+
+SentNode::SentNode(const TileInputs& inputs, const TileSurface& surface, const BounceRays& rays,
+                   std::vector<std::string> defines)
+    : Node("sent"), _inputs(&inputs), _surface(&surface), _cells(rays.cells()),
+      _radiance(writes(
+          own(new Resource("sent light", {std::max(1, surface.width() - 1),
+                                          std::max(1, surface.height() - 1), 0, GL_RGBA16F_ARB})))),
+      _pyramid(writes(own(new Resource("sent light, far", _cells.texture(GL_RGBA16F_ARB))))),
+      _pass(own(new GpuPass("radiance", std::move(defines)))),
+      _first(own(new GpuPass("pyramid", {"FROM_CELLS"}))), _next(own(new GpuPass("pyramid")))
+{
+    reads(surface.heights());
+    reads(own(inputs.albedoTexture.get()));
+    surface.bind(*_pass);
+    _pass->reads("albedo", inputs.albedoTexture);
+    _pass->writes(0, _radiance);
+}
+
+SentNode::SentNode(const TileInputs& inputs, const TileSurface& surface, const BounceRays& rays,
+                   const LightSources& lights, Resource* horizon)
+    : SentNode(inputs, surface, rays, std::vector<std::string>{"DIRECT"})
+{
+    _ofDirect = true;
+    _lights = lights;
+    reads(inputs.settingsValue);
+    reads(inputs.bouncesDue);
+    reads(horizon, surface.perPost(GL_R16, inputs.settings.azimuths));
+    followsLight(inputs.light, inputs.isPaced());
+    for (const auto& light : lights)
+        for (Resource* value : light->values())
+            followsLight(value, inputs.isPaced());
+    _pass->reads("horizon", horizon);
+    _pass->set("azimuths", inputs.settings.azimuths);
+}
+
+SentNode::SentNode(const TileInputs& inputs, const TileSurface& surface, const BounceRays& rays,
+                   Resource* light)
+    : SentNode(inputs, surface, rays, std::vector<std::string>{})
+{
+    reads(light, surface.perPost(GL_RGBA16F_ARB));
+    _pass->reads("light", light);
+}
+
+void SentNode::addGloss(const GlossWork& gloss, Resource* exit)
+{
+    reads(exit);
+    _addGloss = own(gloss.createShadePass());
+    _addGloss->reads("lastExit", exit);
+    _addGloss->writes(0, _radiance, GpuPass::Access::ReadWrite);
+}
+
+Status SentNode::run(osg::State& state)
+{
+    if (_ofDirect)
+        bindLights(*_pass, _lights, {"DIRECT"});
+    Status done = _pass->dispatch(state, _surface->groups());
+    if (done && _addGloss)
+        done = _addGloss->dispatch(state, _surface->groups());
+    return done ? reducePyramid(state, _cells, *_first, _radiance, 0, *_next, _pyramid) : done;
+}
+
+} // namespace osgTerrainLight

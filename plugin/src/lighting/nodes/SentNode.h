@@ -1,0 +1,51 @@
+#pragma once
+
+#include "gpu/WorkGraph.h"
+#include "lighting/TileInputs.h"
+#include "lighting/TileSurface.h"
+#include "lighting/nodes/BounceRays.h"
+#include "lighting/nodes/GlossNode.h"
+#include "lighting/sources/LightSource.h"
+
+namespace osgTerrainLight
+{
+
+/// What cells between posts send out diffusely in one bounce, near and, coarser and coarser, far:
+/// shaders/passes/radiance.comp.
+class SentNode : public Node
+{
+public:
+    /// Of direct light, which is found anew for the faces of cells. horizon: of HorizonNode, all
+    /// around.
+    SentNode(const TileInputs& inputs, const TileSurface& surface, const BounceRays& rays,
+             const LightSources& lights, Resource* horizon);
+    /// Of the light of the bounce before, a texel per post.
+    SentNode(const TileInputs& inputs, const TileSurface& surface, const BounceRays& rays,
+             Resource* light);
+
+    /// Cells also send what their corners' gloss sends towards one viewer.
+    void addGloss(const GlossWork& gloss, Resource* exit);
+
+    Status run(osg::State& state) override;
+
+    /// RGBA16F, cell (x, y) between posts x, x + 1, y, y + 1: rgb = radiance, a > 0 where valid.
+    Resource* radiance() const { return _radiance; }
+    /// RGBA16F: radiance times weight, weight; levels as BounceRays::cells() has them.
+    Resource* pyramid() const { return _pyramid; }
+
+private:
+    ~SentNode() override = default;
+    SentNode(const TileInputs& inputs, const TileSurface& surface, const BounceRays& rays,
+             std::vector<std::string> defines);
+
+    osg::ref_ptr<const TileInputs> _inputs;
+    osg::ref_ptr<const TileSurface> _surface;
+    PyramidLayout _cells;
+    bool _ofDirect = false;
+    LightSources _lights;
+    Resource *_radiance, *_pyramid;
+    GpuPass *_pass, *_first, *_next;
+    GpuPass* _addGloss = nullptr;
+};
+
+} // namespace osgTerrainLight

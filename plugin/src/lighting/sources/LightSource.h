@@ -1,0 +1,46 @@
+#pragma once
+
+#include <osgTerrainLight/SkyLight.h>
+
+#include "gpu/WorkGraph.h"
+
+#include <osg/Referenced>
+
+#include <string>
+#include <vector>
+
+namespace osgTerrainLight
+{
+
+/// A kind of light: what it needs computed for it, and how passes read it. The shaders' side is a
+/// block of shaders/lights.glsl, compiled in by a define.
+class LightSource : public osg::Referenced
+{
+public:
+    /// In the order in which they run.
+    virtual WorkGraph::Nodes nodes() const = 0;
+    /// What a node reads whose passes bind this light, beside TileInputs::light.
+    virtual std::vector<Resource*> values() const = 0;
+    /// Gives a pass its textures and uniforms, and adds the define where it lights anything now.
+    virtual void bind(GpuPass& pass, std::vector<std::string>& defines) const = 0;
+    /// Whether a cell's mean light is not enough for what sees the cell near.
+    virtual bool variesInCells() const { return false; }
+    /// The tile's light was `before`: touches what has changed.
+    virtual void follow(const SkyLight& before) = 0;
+
+protected:
+    ~LightSource() override = default;
+};
+
+using LightSources = std::vector<osg::ref_ptr<LightSource>>;
+
+/// Makes the pass the variant that reads these lights, with `defines` of its own.
+inline void bindLights(GpuPass& pass, const LightSources& lights,
+                       std::vector<std::string> defines = {})
+{
+    for (const auto& light : lights)
+        light->bind(pass, defines);
+    pass.setDefines(std::move(defines));
+}
+
+} // namespace osgTerrainLight

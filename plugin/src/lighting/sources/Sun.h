@@ -1,0 +1,41 @@
+#pragma once
+
+#include <osgTerrainLight/Export.h>
+
+#include "core/AzimuthSet.h"
+#include "lighting/TileInputs.h"
+#include "lighting/TileSurface.h"
+#include "lighting/nodes/HorizonNode.h"
+#include "lighting/sources/LightSource.h"
+
+#include <array>
+
+namespace osgTerrainLight
+{
+
+/// Towards the left, the centre and the right of the sun's disc.
+OSGTERRAINLIGHT_EXPORT std::array<MapDirection, 3> sunDirections(const SkyLight& sky);
+
+/// The sun: a disc, whose visible part three horizons tell.
+class Sun : public LightSource
+{
+public:
+    Sun(const TileInputs& inputs, const TileSurface& surface);
+
+    WorkGraph::Nodes nodes() const override { return {_horizon}; }
+    std::vector<Resource*> values() const override { return {_horizon->horizon()}; }
+    /// sunHorizon, sunIrradiance, sunDirection, sunElevation and sunRadius (SUN), or sunOff.
+    void bind(GpuPass& pass, std::vector<std::string>& defines) const override;
+    bool variesInCells() const override { return true; } // shadows have edges
+    void follow(const SkyLight& before) override;
+
+    HorizonNode& horizon() const { return *_horizon; }
+
+private:
+    ~Sun() override = default;
+
+    osg::ref_ptr<const TileInputs> _inputs;
+    osg::ref_ptr<HorizonNode> _horizon;
+};
+
+} // namespace osgTerrainLight
