@@ -120,18 +120,8 @@ Result<SettingsTrial> SettingsTrial::create(osg::State& state, const DemTile& ti
     if (sky.skyEnabled)
     {
         trial._skyPosts = draw(skyPostCount);
-        std::vector<MapDirection> directions;
-        for (int k = 0; k < denseAzimuths; ++k)
-            directions.push_back(directionOfCompass(90.0 - 360.0 * k / denseAzimuths));
-        Result<Raster<double>> slopes = scanHorizons(state, tile, trial._skyPosts, directions);
-        if (!slopes)
-            return slopes.error();
-        trial._elevations = std::move(*slopes);
-        for (double& value : trial._elevations.values())
-            value = std::atan(value);
-        for (const TilePost& post : trial._skyPosts)
-            trial._skyNormals.push_back(normalAt(tile, post));
-        trial._denseSky = trial.exactSky(denseAzimuths);
+        if (Status scanned = trial.scanSky(state); !scanned)
+            return scanned.error();
     }
     trial._progress(0.15);
     if (product != Product::SkyView)
@@ -141,46 +131,66 @@ Result<SettingsTrial> SettingsTrial::create(osg::State& state, const DemTile& ti
         trial._sunWeights.assign(sunPostCount, 0.0);
     }
     if (TileLight::needsSun(sky))
-    {
-        // The disc as strips of equal angle on its edge: offset r·cos a, half length r·sin a.
-        std::vector<MapDirection> directions;
-        std::vector<double> halves, weights;
-        const double cosine = std::cos(sky.sunElevation * radiansPerDegree);
-        for (int i = 0; i < sunStrips; ++i)
-        {
-            const double a = pi * (i + 0.5) / sunStrips;
-            const double offset =
-                sky.sunAngularRadius * std::cos(a) / std::max(cosine, radiansPerDegree);
-            directions.push_back(
-                directionOfCompass(sky.sunAzimuth + std::clamp(offset, -90.0, 90.0)));
-            halves.push_back(sky.sunAngularRadius * radiansPerDegree * std::sin(a));
-            weights.push_back(std::sin(a) * std::sin(a) * 2.0 / sunStrips);
-        }
-        const Result<Raster<double>> slopes =
-            scanHorizons(state, tile, trial._sunPosts, directions);
-        if (!slopes)
-            return slopes.error();
-        const std::array<double, 3> towards = sky.sunDirection();
-        for (std::size_t p = 0; p < trial._sunPosts.size(); ++p)
-        {
-            double visible = 0.0;
-            for (int i = 0; i < sunStrips; ++i)
-            {
-                const std::size_t s = static_cast<std::size_t>(i);
-                const double edge = std::max(std::atan(slopes->at(static_cast<int>(p), i)), 0.0);
-                const double above =
-                    (sky.sunElevation * radiansPerDegree - edge + halves[s]) / (2.0 * halves[s]);
-                visible += weights[s] * std::clamp(above, 0.0, 1.0);
-            }
-            const std::array<double, 3> normal = normalAt(tile, trial._sunPosts[p]);
-            const double facing =
-                normal[0] * towards[0] + normal[1] * towards[1] + normal[2] * towards[2];
-            trial._sunFraction[p] = visible;
-            trial._sunWeights[p] = luminance(sky.sunIrradiance) * std::max(facing, 0.0) / pi;
-        }
-    }
+        if (Status scanned = trial.scanSun(state); !scanned)
+            return scanned.error();
     trial._progress(0.2);
     return trial;
+}
+
+Status SettingsTrial::scanSky(osg::State& state)
+{
+    std::vector<MapDirection> directions;
+    for (int k = 0; k < denseAzimuths; ++k)
+        directions.push_back(directionOfCompass(90.0 - 360.0 * k / denseAzimuths));
+    Result<Raster<double>> slopes = scanHorizons(state, _tile, _skyPosts, directions);
+    if (!slopes)
+        return slopes.error();
+    _elevations = std::move(*slopes);
+    for (double& value : _elevations.values())
+        value = std::atan(value);
+    for (const TilePost& post : _skyPosts)
+        _skyNormals.push_back(normalAt(_tile, post));
+    _denseSky = exactSky(denseAzimuths);
+    return Nothing{};
+}
+
+Status SettingsTrial::scanSun(osg::State& state)
+{
+    // The disc as strips of equal angle on its edge: offset r·cos a, half length r·sin a.
+    std::vector<MapDirection> directions;
+    std::vector<double> halves, weights;
+    const double cosine = std::cos(_sky.sunElevation * radiansPerDegree);
+    for (int i = 0; i < sunStrips; ++i)
+    {
+        const double a = pi * (i + 0.5) / sunStrips;
+        const double offset =
+            _sky.sunAngularRadius * std::cos(a) / std::max(cosine, radiansPerDegree);
+        directions.push_back(directionOfCompass(_sky.sunAzimuth + std::clamp(offset, -90.0, 90.0)));
+        halves.push_back(_sky.sunAngularRadius * radiansPerDegree * std::sin(a));
+        weights.push_back(std::sin(a) * std::sin(a) * 2.0 / sunStrips);
+    }
+    const Result<Raster<double>> slopes = scanHorizons(state, _tile, _sunPosts, directions);
+    if (!slopes)
+        return slopes.error();
+    const std::array<double, 3> towards = _sky.sunDirection();
+    for (std::size_t p = 0; p < _sunPosts.size(); ++p)
+    {
+        double visible = 0.0;
+        for (int i = 0; i < sunStrips; ++i)
+        {
+            const std::size_t s = static_cast<std::size_t>(i);
+            const double edge = std::max(std::atan(slopes->at(static_cast<int>(p), i)), 0.0);
+            const double above =
+                (_sky.sunElevation * radiansPerDegree - edge + halves[s]) / (2.0 * halves[s]);
+            visible += weights[s] * std::clamp(above, 0.0, 1.0);
+        }
+        const std::array<double, 3> normal = normalAt(_tile, _sunPosts[p]);
+        const double facing =
+            normal[0] * towards[0] + normal[1] * towards[1] + normal[2] * towards[2];
+        _sunFraction[p] = visible;
+        _sunWeights[p] = luminance(_sky.sunIrradiance) * std::max(facing, 0.0) / pi;
+    }
+    return Nothing{};
 }
 
 std::vector<double> SettingsTrial::exactSky(int azimuths) const

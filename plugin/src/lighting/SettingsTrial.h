@@ -58,6 +58,9 @@ public:
                                    int repeats = 3);
 
 private:
+    /// Exhaustive horizons of the sky posts all around, and of the sun posts across the sun's disc.
+    Status scanSky(osg::State& state);
+    Status scanSun(osg::State& state);
     /// Sky-view factor of each sky post from `azimuths` of the exhaustive horizons.
     std::vector<double> exactSky(int azimuths) const;
     struct Run
