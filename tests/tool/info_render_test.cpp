@@ -183,4 +183,26 @@ TEST_F(Render, FailuresLeaveNothing)
     EXPECT_EQ(left(), before);
 }
 
+TEST_F(Render, AFormerVersionsSceneLooksAsItDid)
+{
+    // data/former: scenes that version 0.1.0 saved, and its pictures of them. Grey levels may
+    // differ by what another driver rounds, as in the other tests of pictures.
+    const std::string data = OTL_SOURCE_DIR "/tests/scene/data/former/";
+    for (const std::string name : {"lit", "day"})
+        for (const std::string extension : {".osgt", ".osgb", ".osgx"})
+        {
+            SCOPED_TRACE(name + extension);
+            const ToolRun result =
+                run("render " + data + name + extension + " p.png --top --size 64 -q");
+            ASSERT_EQ(result.status, 0) << result.err;
+            const ReadRaster now(path("p.png")), then(data + name + ".png");
+            ASSERT_EQ(now.bands.size(), then.bands.size());
+            float most = 0.0f;
+            for (std::size_t b = 0; b < now.bands.size(); ++b)
+                for (std::size_t i = 0; i < now.bands[b].size(); ++i)
+                    most = std::max(most, std::abs(now.bands[b][i] - then.bands[b][i]));
+            EXPECT_LE(most, 3.0f);
+        }
+}
+
 } // namespace

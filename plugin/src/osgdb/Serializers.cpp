@@ -1,330 +1,294 @@
 #include "osgdb/Register.h"
 
-#include <osgTerrainLight/TerrainLighting.h>
-
+#include "core/EnumNames.h"
+#include "core/SettingsTable.h"
+#include "osgdb/FormerScene.h"
 #include <osgTerrainLight/Environment.h>
 #include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/SunPosition.h>
+#include <osgTerrainLight/TerrainLighting.h>
 
 #include <osg/Notify>
 #include <osgDB/InputStream>
 #include <osgDB/ObjectWrapper>
 #include <osgDB/OutputStream>
 
+#include <cmath>
+#include <functional>
+#include <optional>
 #include <string>
-
-// SkyLight: radiance and irradiance, then angles [degrees].
-static bool checkSkyLight(const osgTerrainLight::TerrainLighting&)
-{
-    return true;
-}
-
-static bool readSkyLight(osgDB::InputStream& is, osgTerrainLight::TerrainLighting& node)
-{
-    osgTerrainLight::SkyLight sky;
-    is >> is.BEGIN_BRACKET;
-    is >> is.PROPERTY("Sky") >> sky.skyEnabled;
-    for (float& channel : sky.skyRadiance)
-        is >> channel;
-    is >> is.PROPERTY("Sun") >> sky.sunEnabled >> sky.sunAzimuth >> sky.sunElevation >>
-        sky.sunAngularRadius;
-    for (float& channel : sky.sunIrradiance)
-        is >> channel;
-    is >> is.END_BRACKET;
-    node.setSkyLight(sky);
-    return true;
-}
-
-static bool writeSkyLight(osgDB::OutputStream& os, const osgTerrainLight::TerrainLighting& node)
-{
-    const osgTerrainLight::SkyLight& sky = node.getSkyLight();
-    os << os.BEGIN_BRACKET << std::endl;
-    os << os.PROPERTY("Sky") << sky.skyEnabled;
-    for (float channel : sky.skyRadiance)
-        os << channel;
-    os << std::endl;
-    os << os.PROPERTY("Sun") << sky.sunEnabled << sky.sunAzimuth << sky.sunElevation
-       << sky.sunAngularRadius;
-    for (float channel : sky.sunIrradiance)
-        os << channel;
-    os << std::endl << os.END_BRACKET << std::endl;
-    return true;
-}
-
-// What few scenes have is written where they have it: model, turbidity; file, heading, gain.
-static bool checkSkyModel(const osgTerrainLight::TerrainLighting& node)
-{
-    const osgTerrainLight::SkyLight& sky = node.getSkyLight();
-    return sky.skyModel != osgTerrainLight::SkyModel::Uniform || sky.environment;
-}
-
-static bool readSkyModel(osgDB::InputStream& is, osgTerrainLight::TerrainLighting& node)
-{
-    osgTerrainLight::SkyLight sky = node.getSkyLight();
-    std::string model, file, problem;
-    is >> is.BEGIN_BRACKET;
-    is >> is.PROPERTY("Model");
-    is.readWrappedString(model);
-    is >> sky.turbidity;
-    is >> is.PROPERTY("Environment");
-    is.readWrappedString(file);
-    is >> sky.environmentHeading >> sky.environmentGain;
-    is >> is.END_BRACKET;
-    if (!fromString(model, sky.skyModel))
-        OSG_WARN << "osgTerrainLight: no sky model is called " << model << std::endl;
-    // The sun is read already: the one that was saved, found there or not.
-    if (!file.empty() && !(sky.environment = osgTerrainLight::readEnvironment(file, problem)))
-        OSG_WARN << "osgTerrainLight: left out the sky: " << problem << std::endl;
-    node.setSkyLight(sky);
-    return true;
-}
-
-static bool writeSkyModel(osgDB::OutputStream& os, const osgTerrainLight::TerrainLighting& node)
-{
-    const osgTerrainLight::SkyLight& sky = node.getSkyLight();
-    if (sky.environment && sky.environment->name.empty())
-        OSG_WARN << "osgTerrainLight: a sky that is of no file is not saved" << std::endl;
-    os << os.BEGIN_BRACKET << std::endl;
-    os << os.PROPERTY("Model");
-    os.writeWrappedString(toString(sky.skyModel));
-    os << sky.turbidity << std::endl;
-    os << os.PROPERTY("Environment");
-    os.writeWrappedString(sky.environment ? sky.environment->name : std::string());
-    os << sky.environmentHeading << sky.environmentGain << std::endl;
-    os << os.END_BRACKET << std::endl;
-    return true;
-}
-
-static bool checkSkyHarmonics(const osgTerrainLight::TerrainLighting& node)
-{
-    return !node.getSkyLight().skyHarmonics.empty();
-}
-
-static bool readSkyHarmonics(osgDB::InputStream& is, osgTerrainLight::TerrainLighting& node)
-{
-    osgTerrainLight::SkyLight sky = node.getSkyLight();
-    unsigned count = 0;
-    is >> count >> is.BEGIN_BRACKET;
-    if (count > 16) // more than any; setSkyLight says so
-        count = 17;
-    sky.skyHarmonics.assign(count, {});
-    for (osgTerrainLight::Rgb& coefficient : sky.skyHarmonics)
-        for (float& channel : coefficient)
-            is >> channel;
-    is >> is.END_BRACKET;
-    node.setSkyLight(sky);
-    return true;
-}
-
-static bool writeSkyHarmonics(osgDB::OutputStream& os, const osgTerrainLight::TerrainLighting& node)
-{
-    const auto& harmonics = node.getSkyLight().skyHarmonics;
-    os << static_cast<unsigned>(harmonics.size()) << os.BEGIN_BRACKET << std::endl;
-    for (const osgTerrainLight::Rgb& coefficient : harmonics)
-    {
-        for (float channel : coefficient)
-            os << channel;
-        os << std::endl;
-    }
-    os << os.END_BRACKET << std::endl;
-    return true;
-}
-
-// Place, and time where the sun stands by it.
-static bool checkPlace(const osgTerrainLight::TerrainLighting& node)
-{
-    return node.getPlace().has_value();
-}
-
-static bool readPlace(osgDB::InputStream& is, osgTerrainLight::TerrainLighting& node)
-{
-    osgTerrainLight::EarthPlace place;
-    std::string time;
-    is >> is.BEGIN_BRACKET >> place.longitude >> place.latitude >> place.convergence;
-    is.readWrappedString(time);
-    is >> is.END_BRACKET;
-    node.setPlace(place);
-    osgTerrainLight::UtcTime utc;
-    if (time.empty())
-        return true;
-    const std::string problem = osgTerrainLight::readUtcTime(time, utc);
-    if (problem.empty())
-        node.setTime(utc);
-    else
-        OSG_WARN << "osgTerrainLight: time read from file: " << problem << std::endl;
-    return true;
-}
-
-static bool writePlace(osgDB::OutputStream& os, const osgTerrainLight::TerrainLighting& node)
-{
-    const osgTerrainLight::EarthPlace& place = *node.getPlace();
-    os << os.BEGIN_BRACKET << std::endl;
-    os << place.longitude << place.latitude << place.convergence;
-    os.writeWrappedString(node.getTime() ? osgTerrainLight::toString(*node.getTime())
-                                         : std::string());
-    os << std::endl << os.END_BRACKET << std::endl;
-    return true;
-}
-
-// Azimuth, width, lowest, highest [degrees], radiance.
-static bool checkKeyLights(const osgTerrainLight::TerrainLighting& node)
-{
-    return !node.getSkyLight().keyLights.empty();
-}
-
-static bool readKeyLights(osgDB::InputStream& is, osgTerrainLight::TerrainLighting& node)
-{
-    osgTerrainLight::SkyLight sky = node.getSkyLight();
-    unsigned count = 0;
-    is >> count >> is.BEGIN_BRACKET;
-    if (count > 8) // more than any; setSkyLight says so
-        count = 9;
-    sky.keyLights.assign(count, {});
-    for (osgTerrainLight::KeyLight& key : sky.keyLights)
-    {
-        is >> key.azimuth >> key.width >> key.lowest >> key.highest;
-        for (float& channel : key.radiance)
-            is >> channel;
-    }
-    is >> is.END_BRACKET;
-    node.setSkyLight(sky);
-    return true;
-}
-
-static bool writeKeyLights(osgDB::OutputStream& os, const osgTerrainLight::TerrainLighting& node)
-{
-    const auto& keys = node.getSkyLight().keyLights;
-    os << static_cast<unsigned>(keys.size()) << os.BEGIN_BRACKET << std::endl;
-    for (const osgTerrainLight::KeyLight& key : keys)
-    {
-        os << key.azimuth << key.width << key.lowest << key.highest;
-        for (float channel : key.radiance)
-            os << channel;
-        os << std::endl;
-    }
-    os << os.END_BRACKET << std::endl;
-    return true;
-}
-
-// Of older files: keys are now an event callback, which is saved as one. A user's serializer with
-// no body has the binary form of the bool that it was.
-static bool checkKeysEnabled(const osgTerrainLight::TerrainLighting&)
-{
-    return false;
-}
-
-static bool readKeysEnabled(osgDB::InputStream& is, osgTerrainLight::TerrainLighting& node)
-{
-    bool enabled = true;
-    if (!is.isBinary())
-        is >> enabled;
-    if (enabled)
-        node.addEventCallback(new osgTerrainLight::LightingHandler);
-    return true;
-}
-
-static bool writeKeysEnabled(osgDB::OutputStream&, const osgTerrainLight::TerrainLighting&)
-{
-    return true;
-}
-
-static bool checkSettings(const osgTerrainLight::TerrainLighting&)
-{
-    return true;
-}
-
-static bool readSettings(osgDB::InputStream& is, osgTerrainLight::TerrainLighting& node)
-{
-    osgTerrainLight::LightingSettings settings;
-    std::string quality;
-    is >> is.BEGIN_BRACKET;
-    is >> is.PROPERTY("Azimuths") >> settings.azimuths;
-    is >> is.PROPERTY("Quality") >> quality;
-    is >> is.PROPERTY("Exposure") >> settings.exposure;
-    std::string method;
-    is >> is.PROPERTY("Bounces") >> settings.bounces;
-    is >> is.PROPERTY("BounceMethod") >> method;
-    if (!osgTerrainLight::fromString(method, settings.bounceMethod))
-        OSG_WARN << "osgTerrainLight: bounce method " << method << " read from file: needs slices, "
-                 << "legendre or legendre-bspline" << std::endl;
-    is >> is.PROPERTY("Subsampling") >> settings.subsampling;
-    is >> is.PROPERTY("BounceInterval") >> settings.bounceInterval;
-    is >> is.PROPERTY("BodyRadius") >> settings.bodyRadius;
-    is >> is.PROPERTY("Albedo");
-    for (float& channel : settings.albedo)
-        is >> channel;
-    bool scalar = false;
-    is >> is.PROPERTY("Gloss") >> settings.gloss >> settings.glossExponent;
-    is >> is.PROPERTY("GlossScalar") >> scalar;
-    for (double& part : settings.glossViewer)
-        is >> part;
-    if (scalar)
-        settings.glossTransfer = osgTerrainLight::GlossTransfer::Scalar;
-    is >> is.END_BRACKET;
-    if (!osgTerrainLight::fromString(quality, settings.quality))
-        OSG_WARN << "osgTerrainLight: quality " << quality << " read from file: needs draft, "
-                 << "normal or best" << std::endl;
-    node.setSettings(settings);
-    return true;
-}
-
-static bool writeSettings(osgDB::OutputStream& os, const osgTerrainLight::TerrainLighting& node)
-{
-    const osgTerrainLight::LightingSettings& settings = node.getSettings();
-    os << os.BEGIN_BRACKET << std::endl;
-    os << os.PROPERTY("Azimuths") << settings.azimuths << std::endl;
-    os << os.PROPERTY("Quality") << std::string(toString(settings.quality)) << std::endl;
-    os << os.PROPERTY("Exposure") << settings.exposure << std::endl;
-    os << os.PROPERTY("Bounces") << settings.bounces << std::endl;
-    os << os.PROPERTY("BounceMethod") << std::string(toString(settings.bounceMethod)) << std::endl;
-    os << os.PROPERTY("Subsampling") << settings.subsampling << std::endl;
-    os << os.PROPERTY("BounceInterval") << settings.bounceInterval << std::endl;
-    os << os.PROPERTY("BodyRadius") << settings.bodyRadius << std::endl;
-    os << os.PROPERTY("Albedo");
-    for (const float channel : settings.albedo)
-        os << channel;
-    os << std::endl;
-    os << os.PROPERTY("Gloss") << settings.gloss << settings.glossExponent << std::endl;
-    os << os.PROPERTY("GlossScalar")
-       << (settings.glossTransfer == osgTerrainLight::GlossTransfer::Scalar);
-    for (const double part : settings.glossViewer)
-        os << part;
-    os << std::endl;
-    os << os.END_BRACKET << std::endl;
-    return true;
-}
-
-static osg::Object* createLighting()
-{
-    return new osgTerrainLight::TerrainLighting;
-}
-
-static void addLightingProperties(osgDB::ObjectWrapper* wrapper)
-{
-    typedef osgTerrainLight::TerrainLighting MyClass; // by this name OSG's macros know it
-    ADD_USER_SERIALIZER(SkyLight);
-    ADD_USER_SERIALIZER(Settings);
-    ADD_USER_SERIALIZER(SkyHarmonics);
-    ADD_USER_SERIALIZER(KeyLights);
-    ADD_USER_SERIALIZER(SkyModel);
-    ADD_USER_SERIALIZER(Place);
-    ADD_BOOL_SERIALIZER(LightEnabled, true);
-    ADD_DOUBLE_SERIALIZER(TimeBudget, 50.0);
-    ADD_UINT_SERIALIZER(TextureUnit, osgTerrainLight::ShadingTexture::defaultUnit);
-    ADD_BOOL_SERIALIZER(DefaultProgramEnabled, true);
-    ADD_USER_SERIALIZER(KeysEnabled);
-    ADD_INT_SERIALIZER(GlossLayer, -1);
-}
-
-static osg::Object* createHandler()
-{
-    return new osgTerrainLight::LightingHandler;
-}
-
-static void addHandlerProperties(osgDB::ObjectWrapper*) {}
+#include <vector>
 
 namespace osgTerrainLight
 {
+
+namespace
+{
+/// What is read of a node, before it is set: rows of the table are set together.
+struct SavedNode
+{
+    SkyLight sky;
+    LightingSettings settings;
+    std::optional<EarthPlace> place;
+    std::optional<UtcTime> time;
+    bool lightEnabled = true, defaultProgram = true;
+    double timeBudget = 50.0;
+    int textureUnit = static_cast<int>(ShadingTexture::defaultUnit);
+    int glossLayer = -1;
+};
+
+SavedNode savedNode(const TerrainLighting& node)
+{
+    SavedNode saved;
+    saved.sky = node.getSkyLight();
+    saved.settings = node.getSettings();
+    saved.place = node.getPlace();
+    saved.time = node.getTime();
+    saved.lightEnabled = node.getLightEnabled();
+    saved.defaultProgram = node.getDefaultProgramEnabled();
+    saved.timeBudget = node.getTimeBudget();
+    saved.textureUnit = static_cast<int>(node.getTextureUnit());
+    saved.glossLayer = node.getGlossLayer();
+    return saved;
+}
+
+void restore(TerrainLighting& node, const SavedNode& saved)
+{
+    node.setTextureUnit(static_cast<unsigned>(saved.textureUnit));
+    node.setSkyLight(saved.sky);
+    node.setSettings(saved.settings);
+    if (saved.place)
+        node.setPlace(*saved.place);
+    if (saved.time)
+        node.setTime(*saved.time);
+    node.setLightEnabled(saved.lightEnabled);
+    node.setTimeBudget(saved.timeBudget);
+    node.setDefaultProgramEnabled(saved.defaultProgram);
+    node.setGlossLayer(saved.glossLayer);
+}
+
+/// A property of the node in a file: its name, and its value as text. A file that lacks it leaves
+/// the default; a file may have more than are known here.
+struct Property
+{
+    std::string name;
+    std::function<std::string(const SavedNode&)> text;
+    /// Empty where the text was read; else what is wrong, and nothing has changed.
+    std::function<std::string(SavedNode&, const std::string&)> read;
+};
+
+template <class Owner>
+void addRows(std::vector<Property>& properties, Owner SavedNode::*part)
+{
+    for (const Setting<Owner>& setting : settingsOf<Owner>())
+        properties.push_back(
+            {setting.name,
+             [&setting, part](const SavedNode& saved) { return setting.textOf(saved.*part); },
+             [&setting, part](SavedNode& saved, const std::string& text) -> std::string
+             {
+                 const Result<SettingValue> value = setting.read(text, setting.name);
+                 if (!value)
+                     return value.error().message;
+                 setting.set(saved.*part, *value);
+                 return {};
+             }});
+}
+
+Property switchOf(const char* name, bool SavedNode::*member)
+{
+    return {name, [member](const SavedNode& saved) { return std::string(nameOf(saved.*member)); },
+            [name, member](SavedNode& saved, const std::string& text)
+            {
+                return readName(text, saved.*member) ? std::string()
+                                                     : refused(name, text, "on or off").message;
+            }};
+}
+
+template <class Number>
+Property numberOf(const char* name, Number SavedNode::*member)
+{
+    return {name,
+            [member](const SavedNode& saved)
+            { return numberText(static_cast<double>(saved.*member)); },
+            [name, member](SavedNode& saved, const std::string& text)
+            {
+                const std::vector<double> numbers = numbersIn(text);
+                if (numbers.size() != 1 || std::abs(numbers[0]) > 1e9)
+                    return refused(name, text, "a number").message;
+                saved.*member = static_cast<Number>(numbers[0]);
+                return std::string();
+            }};
+}
+
+Property environmentOf()
+{
+    return {"sky-file",
+            [](const SavedNode& saved)
+            { return saved.sky.environment ? saved.sky.environment->name : std::string(); },
+            [](SavedNode& saved, const std::string& file)
+            {
+                // The sun is the one that was saved, found in the file or not.
+                std::string problem;
+                if (!file.empty() && !(saved.sky.environment = readEnvironment(file, problem)))
+                    return "left out the sky: " + problem;
+                return std::string();
+            }};
+}
+
+Property placeOf()
+{
+    return {"place",
+            [](const SavedNode& saved)
+            {
+                return saved.place ? numberText(saved.place->longitude) + "," +
+                                         numberText(saved.place->latitude) + "," +
+                                         numberText(saved.place->convergence)
+                                   : std::string();
+            },
+            [](SavedNode& saved, const std::string& text)
+            {
+                if (text.empty())
+                    return std::string();
+                const std::vector<double> numbers = numbersIn(text);
+                if (numbers.size() != 3)
+                    return refused("place", text, "longitude,latitude,convergence").message;
+                saved.place = EarthPlace{numbers[0], numbers[1], numbers[2]};
+                return std::string();
+            }};
+}
+
+Property timeOf()
+{
+    return {"time",
+            [](const SavedNode& saved)
+            { return saved.time ? toString(*saved.time) : std::string(); },
+            [](SavedNode& saved, const std::string& text)
+            {
+                UtcTime time;
+                const std::string problem = text.empty() ? "" : readUtcTime(text, time);
+                if (problem.empty() && !text.empty())
+                    saved.time = time;
+                return problem.empty() ? problem : "time = " + problem;
+            }};
+}
+
+const std::vector<Property>& properties()
+{
+    static const std::vector<Property> all = []
+    {
+        std::vector<Property> list;
+        addRows(list, &SavedNode::settings);
+        addRows(list, &SavedNode::sky);
+        for (const Property& property : {environmentOf(), placeOf(), timeOf(),
+                                         switchOf("light-enabled", &SavedNode::lightEnabled),
+                                         switchOf("default-program", &SavedNode::defaultProgram),
+                                         numberOf("time-budget", &SavedNode::timeBudget),
+                                         numberOf("texture-unit", &SavedNode::textureUnit),
+                                         numberOf("gloss-layer", &SavedNode::glossLayer)})
+            list.push_back(property);
+        return list;
+    }();
+    return all;
+}
+
+void readProperty(SavedNode& saved, const std::string& name, const std::string& text)
+{
+    for (const Property& property : properties())
+        if (property.name == name)
+        {
+            if (const std::string problem = property.read(saved, text); !problem.empty())
+                OSG_WARN << "osgTerrainLight: read from file: " << problem << std::endl;
+            return;
+        }
+    OSG_NOTICE << "osgTerrainLight: read from file: skipped " << name << " = \"" << text
+               << "\", which a later version may know" << std::endl;
+}
+
+/// The node's properties as pairs of name and text, so that text, XML and binary files alike can
+/// be read by versions with fewer or more of them. osgDB's own serializers are found by name in
+/// text only; in a binary file each must be where it was written.
+class LightingSerializer : public osgDB::BaseSerializer
+{
+public:
+    LightingSerializer() : osgDB::BaseSerializer(READ_WRITE_PROPERTY) {}
+
+    const std::string& getName() const override { return _name; }
+
+    bool read(osgDB::InputStream& is, osg::Object& object) override
+    {
+        TerrainLighting& node = dynamic_cast<TerrainLighting&>(object);
+        bool isFormer = false; // the mark of what was the first field
+        if (is.isBinary())
+            is >> isFormer;
+        else
+            isFormer = !is.matchString(_name);
+        if (isFormer)
+        {
+            readFormerScene(is, node);
+            return true;
+        }
+        unsigned count = 0;
+        is >> count >> is.BEGIN_BRACKET;
+        if (count > mostProperties)
+            is.throwException("osgTerrainLight: " + std::to_string(count) +
+                              " properties; needs at most " + std::to_string(mostProperties));
+        SavedNode saved;
+        for (unsigned i = 0; i < count && !is.getException(); ++i)
+        {
+            std::string name, text;
+            is.readWrappedString(name);
+            is.readWrappedString(text);
+            if (!is.getException())
+                readProperty(saved, name, text);
+        }
+        is >> is.END_BRACKET;
+        restore(node, saved);
+        return true;
+    }
+
+    bool write(osgDB::OutputStream& os, const osg::Object& object) override
+    {
+        const TerrainLighting& node = dynamic_cast<const TerrainLighting&>(object);
+        const SavedNode saved = savedNode(node);
+        if (saved.sky.environment && saved.sky.environment->name.empty())
+            OSG_WARN << "osgTerrainLight: a sky that is of no file is not saved" << std::endl;
+        if (os.isBinary())
+            os << false;
+        else
+            os << os.PROPERTY(_name.c_str());
+        os << static_cast<unsigned>(properties().size()) << os.BEGIN_BRACKET << std::endl;
+        for (const Property& property : properties())
+        {
+            os.writeWrappedString(property.name);
+            os.writeWrappedString(property.text(saved));
+            os << std::endl;
+        }
+        os << os.END_BRACKET << std::endl;
+        return true;
+    }
+
+private:
+    static constexpr unsigned mostProperties = 4096;
+    const std::string _name = "Lighting";
+};
+
+osg::Object* createLighting()
+{
+    return new TerrainLighting;
+}
+
+void addLightingProperties(osgDB::ObjectWrapper* wrapper)
+{
+    wrapper->addSerializer(new LightingSerializer, osgDB::BaseSerializer::RW_USER);
+}
+
+osg::Object* createHandler()
+{
+    return new LightingHandler;
+}
+
+void addHandlerProperties(osgDB::ObjectWrapper*) {}
+} // namespace
 
 void registerSerializers()
 {

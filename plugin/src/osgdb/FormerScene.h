@@ -1,0 +1,14 @@
+#pragma once
+
+#include <osgTerrainLight/TerrainLighting.h>
+
+#include <osgDB/InputStream>
+
+namespace osgTerrainLight
+{
+
+/// Reads a node as versions up to 0.1.0 wrote it: fields by their place. In a binary file the first
+/// field's mark has been read.
+void readFormerScene(osgDB::InputStream& is, TerrainLighting& node);
+
+} // namespace osgTerrainLight

@@ -1,0 +1,186 @@
+// Scenes in files: those that version 0.1.0 wrote (data/former), and files with other properties
+// than this version has.
+#include "support/ScenePicture.h"
+
+#include <osgTerrainLight/LightingHandler.h>
+#include <osgTerrainLight/TerrainLighting.h>
+
+#include <osgDB/ReadFile>
+#include <osgDB/WriteFile>
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+using namespace osgTerrainLight;
+namespace fs = std::filesystem;
+
+namespace
+{
+const char* const extensions[] = {"osgt", "osgb", "osgx"};
+
+osg::ref_ptr<TerrainLighting> readScene(const std::string& path)
+{
+    usePluginsOfThisBuild();
+    osg::ref_ptr<osg::Node> node = osgDB::readRefNodeFile(path);
+    return dynamic_cast<TerrainLighting*>(node.get());
+}
+
+std::string former(const std::string& name)
+{
+    return OTL_SOURCE_DIR "/tests/scene/data/former/" + name;
+}
+
+std::string textOf(const fs::path& path)
+{
+    std::ifstream file(path, std::ios::binary);
+    std::stringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+
+void replace(std::string& text, const std::string& from, const std::string& to)
+{
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+}
+
+/// What lit.* was made with: written in its .osgt, which the other two were converted from.
+void expectLit(const TerrainLighting& node)
+{
+    LightingSettings settings;
+    settings.azimuths = 16;
+    settings.quality = HorizonQuality::Best;
+    settings.exposure = 0.5;
+    settings.bounces = 2;
+    settings.subsampling = 2;
+    settings.bounceInterval = 3;
+    settings.bodyRadius = 1737400.0;
+    settings.albedo = {0.2f, 0.3f, 0.4f};
+    settings.gloss = 0.25;
+    settings.glossExponent = 16.0;
+    settings.glossTransfer = GlossTransfer::Scalar;
+    settings.glossViewer = {0.5, 0.25, 1.0};
+    EXPECT_TRUE(node.getSettings() == settings);
+    SkyLight sky;
+    sky.skyRadiance = {0.1f, 0.2f, 0.3f};
+    sky.sunAzimuth = 250.125;
+    sky.sunElevation = 20.0;
+    sky.sunAngularRadius = 0.5;
+    sky.sunIrradiance = {2.0f, 1.9f, 1.7f};
+    sky.skyHarmonics = {
+        {0.9f, 0.8f, 0.7f}, {0.1f, 0.2f, 0.3f}, {0.05f, 0.06f, 0.07f}, {0.0f, 0.1f, 0.0f}};
+    sky.keyLights = {{300.0, 30.0, 15.0, 40.0, {6.0f, 4.0f, 2.0f}}, {80.0, 60.0, 40.0, 80.0, {}}};
+    sky.keyLights[1].radiance = {1.0f, 1.0f, 1.0f};
+    EXPECT_TRUE(node.getSkyLight() == sky);
+    ASSERT_TRUE(node.getPlace());
+    EXPECT_EQ(node.getPlace()->longitude, -84.2);
+    EXPECT_EQ(node.getPlace()->latitude, 36.6);
+    EXPECT_EQ(node.getPlace()->convergence, 1.25);
+    EXPECT_FALSE(node.getTime());
+    EXPECT_EQ(node.getTimeBudget(), 20.0);
+    EXPECT_EQ(node.getGlossLayer(), 2);
+    EXPECT_EQ(node.getTextureUnit(), ShadingTexture::defaultUnit);
+    EXPECT_FALSE(node.getEventCallback());
+}
+} // namespace
+
+TEST(SavedScene, OfAFormerVersionHasItsSettings)
+{
+    for (const char* extension : extensions)
+    {
+        SCOPED_TRACE(extension);
+        const osg::ref_ptr<TerrainLighting> lit =
+            readScene(former(std::string("lit.") + extension));
+        ASSERT_TRUE(lit);
+        expectLit(*lit);
+        EXPECT_EQ(lit->getNumChildren(), 1u);
+
+        const osg::ref_ptr<TerrainLighting> day =
+            readScene(former(std::string("day.") + extension));
+        ASSERT_TRUE(day);
+        EXPECT_EQ(day->getSkyLight().skyModel, SkyModel::Clear);
+        EXPECT_EQ(day->getSkyLight().turbidity, 4.5);
+        EXPECT_EQ(day->getSettings().bounceMethod, BounceMethod::LegendreBSpline);
+        EXPECT_EQ(day->getSettings().bounces, 1);
+        ASSERT_TRUE(day->getTime());
+        EXPECT_EQ(toString(*day->getTime()), "2024-06-21T12:30:15Z");
+        EXPECT_TRUE(dynamic_cast<LightingHandler*>(day->getEventCallback()));
+    }
+}
+
+TEST(SavedScene, KeepsEveryDigit)
+{
+    const fs::path folder = fs::temp_directory_path() / "otl_saved_scene";
+    fs::create_directories(folder);
+    osg::ref_ptr<TerrainLighting> node = readScene(former("lit.osgt"));
+    ASSERT_TRUE(node);
+    SkyLight sky = node->getSkyLight();
+    sky.sunAzimuth = 1000.0 / 7.0;
+    sky.sunIrradiance = {1.0f / 3.0f, 2.0f / 3.0f, 1e-7f};
+    node->setSkyLight(sky);
+    for (const char* extension : extensions)
+    {
+        SCOPED_TRACE(extension);
+        const std::string path = (folder / (std::string("again.") + extension)).string();
+        ASSERT_TRUE(osgDB::writeNodeFile(*node, path));
+        const osg::ref_ptr<TerrainLighting> again = readScene(path);
+        ASSERT_TRUE(again);
+        EXPECT_TRUE(again->getSkyLight() == node->getSkyLight());
+        EXPECT_TRUE(again->getSettings() == node->getSettings());
+        EXPECT_EQ(again->getPlace()->longitude, -84.2);
+        EXPECT_EQ(again->getTimeBudget(), 20.0);
+    }
+    fs::remove_all(folder);
+}
+
+TEST(SavedScene, WithOtherPropertiesIsStillRead)
+{
+    const fs::path folder = fs::temp_directory_path() / "otl_other_properties";
+    fs::create_directories(folder);
+    osg::ref_ptr<TerrainLighting> node = readScene(former("lit.osgt"));
+    ASSERT_TRUE(node);
+    for (const char* extension : extensions)
+    {
+        SCOPED_TRACE(extension);
+        const fs::path path = folder / (std::string("other.") + extension);
+        ASSERT_TRUE(osgDB::writeNodeFile(*node, path.string()));
+        std::string text = textOf(path);
+        // Of the same length, so that a binary file stays one: a name that is not known.
+        replace(text, "azimuths", "azimuthz");
+        std::ofstream(path, std::ios::binary) << text;
+        Said said;
+        const osg::ref_ptr<TerrainLighting> read = readScene(path.string());
+        ASSERT_TRUE(read);
+        LightingSettings settings = node->getSettings();
+        settings.azimuths = LightingSettings().azimuths;
+        EXPECT_TRUE(read->getSettings() == settings) << "all but the azimuths";
+        EXPECT_TRUE(read->getSkyLight() == node->getSkyLight());
+        EXPECT_EQ(read->getGlossLayer(), 2);
+        EXPECT_EQ(read->getNumChildren(), 1u);
+        EXPECT_EQ(said.count("skipped azimuthz"), 1) << said.text();
+    }
+    fs::remove_all(folder);
+}
+
+TEST(SavedScene, SaysWhatIsNotLegalAndKeepsTheDefault)
+{
+    const fs::path path = fs::temp_directory_path() / "otl_not_legal.osgt";
+    osg::ref_ptr<TerrainLighting> node = readScene(former("lit.osgt"));
+    ASSERT_TRUE(node);
+    ASSERT_TRUE(osgDB::writeNodeFile(*node, path.string()));
+    std::string text = textOf(path);
+    replace(text, "\"sun-elevation\" \"20\"", "\"sun-elevation\" \"95\"");
+    std::ofstream(path, std::ios::binary) << text;
+    Said said;
+    const osg::ref_ptr<TerrainLighting> read = readScene(path.string());
+    fs::remove(path);
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->getSkyLight().sunElevation, SkyLight().sunElevation);
+    EXPECT_EQ(read->getSkyLight().sunAzimuth, 250.125);
+    EXPECT_EQ(said.count("sun-elevation = \"95\": needs a number, -90 ... 90 degrees"), 1)
+        << said.text();
+}
