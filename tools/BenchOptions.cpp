@@ -54,7 +54,8 @@ void addAzimuthList(CLI::App& app, std::vector<int>& azimuths)
             double value = 0.0;
             if (!CLI::detail::lexical_cast(part, value))
                 throw CLI::ValidationError("--azimuths", "'" + given + "': needs numbers, LIST");
-            if (const std::string wrong = ParameterRange::find("azimuths")->complaint(value);
+            if (const std::string wrong =
+                    findSetting<LightingSettings>("azimuths")->complaint(value);
                 !wrong.empty())
                 throw CLI::ValidationError("--azimuths", wrong);
             azimuths.push_back(static_cast<int>(value));
@@ -71,33 +72,8 @@ void addAzimuthList(CLI::App& app, std::vector<int>& azimuths)
 /// --bounces, --albedo, --paths.
 void addIndirect(CLI::App& app, Options& options)
 {
-    CLI::Option* bounces = addNumbers(
-        app, "--bounces", "N", {"bounces"},
-        "Diffuse bounces of light from terrain to terrain, 0 ... 8, which are measured too; "
-        "default 0",
-        [&options](const auto& v) { options.settings.bounces = static_cast<int>(v[0]); });
-    const auto readAlbedo = [&options](const std::string& given)
-    {
-        std::vector<double> values;
-        for (const std::string& part : CLI::detail::split(given, ','))
-        {
-            values.emplace_back();
-            if (!CLI::detail::lexical_cast(part, values.back()))
-                throw CLI::ValidationError("--albedo", "'" + given + "': needs numbers, V|R,G,B");
-            if (const std::string wrong = ParameterRange::find("albedo")->complaint(values.back());
-                !wrong.empty())
-                throw CLI::ValidationError("--albedo", wrong);
-        }
-        if (values.size() != 1 && values.size() != 3)
-            throw CLI::ValidationError("--albedo", "'" + given + "': needs one number or three");
-        for (std::size_t c = 0; c < 3; ++c)
-            options.settings.albedo[c] = static_cast<float>(values[values.size() == 3 ? c : 0]);
-    };
-    app.add_option_function<std::string>(
-           "--albedo", readAlbedo,
-           "Part of the light that the ground reflects, 0 ... 1; default 0.5")
-        ->type_name("V|R,G,B")
-        ->needs(bounces);
+    CLI::Option* bounces = addSetting(app, "bounces", options.settings);
+    addSetting(app, "albedo", options.settings)->needs(bounces);
     addLimitedNumbers(app, "--paths", "N", {{"paths", 64.0, 67108864.0, true}},
                       "Paths per post that the light of bounces is compared with, rounded up to a "
                       "power of 2; default: until their noise is a fifth of the smallest error, at "
@@ -219,10 +195,10 @@ void addOptions(CLI::App& app, Options& options)
     for (const char* option : {"--srcwin", "--band", "--cell-size"})
         app.get_option(option)->excludes(generate);
     addMethods(app, options.methods);
-    addSettings(app, options.settings, false);
+    addSetting(app, "quality", options.settings);
     addAzimuthList(app, options.azimuths);
     addSun(app, options.sky);
-    addSunRadius(app, options.sky);
+    addSetting(app, "sun-radius", options.sky);
     app.add_flag_function(
         "--no-sun", [&options](std::int64_t) { options.sky.sunEnabled = false; }, "Sky light only");
     addIndirect(app, options);

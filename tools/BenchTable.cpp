@@ -1,6 +1,8 @@
 // The table for people.
 #include "BenchReport.h"
 
+#include "core/SettingsTable.h"
+
 #include <cpl_string.h>
 
 #include <algorithm>
@@ -102,7 +104,7 @@ std::string tableOf(const Report& report)
         " rounds, in each of which every row runs after a warm-up\n";
     if (report.settings.bounces > 0)
         table += "Bounces:   " + std::to_string(report.settings.bounces) + ", albedo " +
-                 text(report.settings.albedo) +
+                 findSetting<LightingSettings>("albedo")->textOf(report.settings) +
                  (report.quantities.empty()
                       ? std::string("\n")
                       : "; reference: " + std::to_string(report.paths) + " paths at each of " +

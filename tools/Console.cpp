@@ -27,12 +27,6 @@ std::string text(double value)
     return CPLSPrintf("%.10g", value);
 }
 
-std::string text(const Rgb& c)
-{
-    return CPLSPrintf("%.6g,%.6g,%.6g", static_cast<double>(c[0]), static_cast<double>(c[1]),
-                      static_cast<double>(c[2]));
-}
-
 void complain(const std::string& sentence)
 {
     // GDAL ends some of its messages with a line break.

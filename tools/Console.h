@@ -13,8 +13,6 @@ namespace osgTerrainLight::tool
 /// Shortest of up to 10 significant digits.
 std::string text(double value);
 
-std::string text(const Rgb& colour);
-
 /// "terrainlight: …" on stderr.
 void complain(const std::string& sentence);
 void warn(const std::string& sentence);

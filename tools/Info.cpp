@@ -216,7 +216,7 @@ Mode addInfo(CLI::App& tool)
                 "  terrainlight info dem.tif -srcwin 0 0 1024 1024 --rate");
     const auto options = std::make_shared<Options>();
     app->add_option("INPUT", options->input, "DEM: any raster that GDAL reads")->type_name("");
-    addSettings(*app, options->settings);
+    addTopic(*app, Topic::Horizons, options->settings);
     addReadOptions(*app, options->read);
     app->add_flag("--rate", options->rate,
                   "Times horizons at the three qualities, on INPUT or else a generated 1024 x 1024 "

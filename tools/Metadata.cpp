@@ -2,8 +2,6 @@
 
 #include "Console.h"
 
-#include "core/SettingsTable.h"
-
 namespace osgTerrainLight::tool
 {
 void add(Metadata& metadata, const std::string& name, const std::string& value)
@@ -13,9 +11,8 @@ void add(Metadata& metadata, const std::string& name, const std::string& value)
 
 void addSun(Metadata& metadata, const SkyLight& sky)
 {
-    add(metadata, "SUN_AZIMUTH", text(sky.sunAzimuth));
-    add(metadata, "SUN_ELEVATION", text(sky.sunElevation));
-    add(metadata, "SUN_RADIUS", text(sky.sunAngularRadius));
+    for (const char* name : {"sun-azimuth", "sun-elevation", "sun-radius"})
+        addSetting(metadata, name, sky);
 }
 
 void addPlace(Metadata& metadata, const EarthPlace& place)
@@ -28,15 +25,15 @@ void addAreaLights(Metadata& metadata, const SkyLight& sky)
 {
     if (sky.skyEnabled && sky.environment)
     {
-        add(metadata, "SKY_HEADING", text(sky.environmentHeading));
-        add(metadata, "SKY_GAIN", text(sky.environmentGain));
+        addSetting(metadata, "sky-heading", sky);
+        addSetting(metadata, "sky-gain", sky);
     }
     else if (sky.skyEnabled && sky.skyModel == SkyModel::Clear)
-        add(metadata, "TURBIDITY", text(sky.turbidity));
+        addSetting(metadata, "turbidity", sky);
     if (sky.skyEnabled && !sky.skyHarmonics.empty())
-        add(metadata, "SKY_HARMONICS", findSetting<SkyLight>("sky-harmonics")->textOf(sky));
+        addSetting(metadata, "sky-harmonics", sky);
     if (!sky.keyLights.empty())
-        add(metadata, "KEY_LIGHTS", findSetting<SkyLight>("key-lights")->textOf(sky));
+        addSetting(metadata, "key-lights", sky);
 }
 
 } // namespace osgTerrainLight::tool

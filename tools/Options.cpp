@@ -9,7 +9,11 @@
 
 #include <cpl_conv.h>
 
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <charconv>
+#include <cmath>
 #include <optional>
 
 namespace osgTerrainLight::tool
@@ -54,6 +58,21 @@ CLI::Option* addCheckedNumbers(CLI::App& app, const std::string& option,
     return app.add_option_function<std::string>(option, read, help)->type_name(typeName);
 }
 
+/// What stands for the value in help.
+std::string typeNameOf(const ValueForm& form)
+{
+    if (form.kind == ValueForm::Kind::Name)
+        return CLI::detail::join(form.names, "|");
+    if (form.kind == ValueForm::Kind::Harmonics)
+        return "C,C,C,...";
+    if (form.count == 3)
+        return "V|R,G,B";
+    std::string unit = form.unit == "m" ? "metres" : form.unit;
+    std::transform(unit.begin(), unit.end(), unit.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+    return !unit.empty() ? unit : form.kind == ValueForm::Kind::Real ? "V" : "N";
+}
+
 } // namespace
 
 std::string Limits::complaint(double value) const
@@ -64,15 +83,27 @@ std::string Limits::complaint(double value) const
            text(minimum) + " ... " + text(maximum);
 }
 
-CLI::Option* addNumbers(CLI::App& app, const std::string& option, const std::string& typeName,
-                        const std::vector<std::string>& names, const std::string& help,
-                        std::function<void(const std::vector<double>&)> set)
+CLI::Option* addRow(CLI::App& app, const SettingRow& row, const std::string& defaultText,
+                    std::function<void(const SettingValue&)> set)
 {
-    return addCheckedNumbers(
-        app, option, typeName, names.size(), names.size(), help,
-        [names](std::size_t i, double value)
-        { return ParameterRange::find(names[i])->complaint(value); },
-        std::move(set));
+    const std::string option = "--" + row.name;
+    if (app.get_option_no_throw(option))
+        return nullptr;
+    const auto read = [&row, option, set](const std::string& given)
+    {
+        const Result<SettingValue> value = row.read(given, row.name);
+        if (!value)
+            throw CLI::ValidationError(option, value.error().message);
+        set(*value);
+    };
+    std::string needs = row.needs();
+    needs[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(needs[0])));
+    return app
+        .add_option_function<std::string>(
+            option, read,
+            row.meaning + " " + needs + (defaultText.empty() ? "" : "; default " + defaultText) +
+                ".")
+        ->type_name(typeNameOf(row.form));
 }
 
 CLI::Option* addLimitedNumbers(CLI::App& app, const std::string& option,
@@ -117,88 +148,50 @@ void addQuiet(CLI::App& app, bool& quiet)
     app.add_flag("-q,--quiet", quiet, "No progress and no summary");
 }
 
-void addSettings(CLI::App& app, LightingSettings& settings, bool azimuths)
-{
-    if (azimuths)
-        addNumbers(app, "--azimuths", "N", {"azimuths"},
-                   "Azimuths of the horizons, a multiple of 4, 4 ... 256; default " +
-                       std::to_string(settings.azimuths),
-                   [&settings](const auto& v) { settings.azimuths = static_cast<int>(v[0]); });
-    app.add_option_function<std::string>(
-           "--quality",
-           [&settings](const std::string& name) { fromString(name, settings.quality); },
-           "Speed against error; default normal")
-        ->check(CLI::IsMember({"draft", "normal", "best"}));
-}
-
 void addBounces(CLI::App& app, RasterOptions& options)
 {
-    addNumbers(app, "--bounces", "N", {"bounces"},
-               "Bounces of light from terrain to terrain, 0 ... 8; default 0",
-               [&options](const auto& v) { options.settings.bounces = static_cast<int>(v[0]); });
-    app.add_option_function<std::string>(
-           "--bounce-method",
-           [&options](const std::string& name) { fromString(name, options.settings.bounceMethod); },
-           "How bounces are gathered: slices, exactly; legendre or legendre-bspline: all light, "
-           "direct light too, as Nowrouzezahrai and Snyder 2009; default slices")
-        ->check(CLI::IsMember({"slices", "legendre", "legendre-bspline"}))
-        ->type_name("NAME");
-    addNumbers(
-        app, "--subsampling", "N", {"subsampling"},
-        "Gather bounces, and direct light by legendre, at every N-th post, 1, 2 or 4; default 1",
-        [&options](const auto& v) { options.settings.subsampling = static_cast<int>(v[0]); });
+    addSetting(app, "bounces", options.settings);
+    const Setting<LightingSettings>& albedo = *findSetting<LightingSettings>("albedo");
     app.add_option_function<std::string>(
            "--albedo",
-           [&options](const std::string& given)
+           [&options, &albedo](const std::string& given)
            {
                if (given.empty())
                    throw CLI::ValidationError("--albedo", "needs one number, three, or a raster");
-               std::vector<double> values;
-               for (const std::string& part : CLI::detail::split(given, ','))
+               if (numbersIn(given).empty())
                {
-                   double value = 0.0;
-                   if (!CLI::detail::lexical_cast(part, value))
-                   {
-                       options.albedoFile = given;
-                       return;
-                   }
-                   if (const std::string wrong = ParameterRange::find("albedo")->complaint(value);
-                       !wrong.empty())
-                       throw CLI::ValidationError("--albedo", wrong);
-                   values.push_back(value);
+                   options.albedoFile = given;
+                   return;
                }
-               if (values.size() != 1 && values.size() != 3)
-                   throw CLI::ValidationError(
-                       "--albedo", "'" + given + "': needs one number, three, or a raster");
-               for (std::size_t c = 0; c < 3; ++c)
-                   options.settings.albedo[c] =
-                       static_cast<float>(values[values.size() == 3 ? c : 0]);
+               const Result<SettingValue> value = albedo.read(given, albedo.name);
+               if (!value)
+                   throw CLI::ValidationError("--albedo", value.error().message + ", or a raster");
+               albedo.set(options.settings, *value);
            },
-           "What the ground reflects, for bounces: V or R,G,B, 0 ... 1; or a raster of the DEM's "
-           "size "
-           "(bytes are sRGB colours, else linear); default 0.5")
+           albedo.meaning + " " +
+               "One number or three, 0 ... 1; or a raster of the DEM's size, "
+               "whose bytes are sRGB colours, and other types linear; default "
+               "0.5.")
         ->type_name("V|R,G,B|RASTER")
         ->needs("--bounces");
-}
-
-void addExposure(CLI::App& app, LightingSettings& settings)
-{
-    addNumbers(app, "--exposure", "STOPS", {"exposure"},
-               "Picture: colours times 2^STOPS before sRGB, -20 ... 20; default 0",
-               [&settings](const auto& v) { settings.exposure = v[0]; });
+    addTopic(app, Topic::Bounces, options.settings);
 }
 
 void addSun(CLI::App& app, SkyLight& sky)
 {
-    addNumbers(app, "--sun", "AZ,EL", {"sun-azimuth", "sun-elevation"},
-               "Where the sun stands: degrees clockwise from north and above the horizontal; "
-               "default " +
-                   text(sky.sunAzimuth) + "," + text(sky.sunElevation),
-               [&sky](const auto& v)
-               {
-                   sky.sunAzimuth = v[0];
-                   sky.sunElevation = v[1];
-               });
+    const std::array<const Setting<SkyLight>*, 2> places = {findSetting<SkyLight>("sun-azimuth"),
+                                                            findSetting<SkyLight>("sun-elevation")};
+    addCheckedNumbers(
+        app, "--sun", "AZ,EL", 2, 2,
+        "Azimuth of the sun, clockwise from north, and its elevation above the horizontal, in "
+        "degrees; default " +
+            places[0]->textOf(sky) + "," + places[1]->textOf(sky) + ".",
+        [places](std::size_t i, double value) { return places[i]->complaint(value); },
+        [&sky, places](const auto& v)
+        {
+            for (std::size_t i = 0; i < 2; ++i)
+                places[i]->set(sky, std::vector<double>{v[i]});
+        });
 }
 
 CLI::Option* addTime(CLI::App& app, const std::string& option, const std::string& help,
@@ -240,14 +233,6 @@ void addSunTime(CLI::App& app, SunTime& sun)
     addPlace(app, sun)->needs(time);
 }
 
-void addSunRadius(CLI::App& app, SkyLight& sky)
-{
-    addNumbers(app, "--sun-radius", "DEGREES", {"sun-radius"},
-               "Angular radius of the sun's disc, 0.01 ... 10; default " +
-                   text(sky.sunAngularRadius),
-               [&sky](const auto& v) { sky.sunAngularRadius = v[0]; });
-}
-
 void addSky(CLI::App& app, SkyLight& sky, std::string& file)
 {
     app.add_option_function<std::string>(
@@ -264,15 +249,8 @@ void addSky(CLI::App& app, SkyLight& sky, std::string& file)
            "Light of the sky: uniform, overcast, clear, none, or a panorama's file (OpenEXR, HDR), "
            "with the sun that is found in it; default uniform")
         ->type_name("KIND|FILE");
-    addNumbers(app, "--turbidity", "T", {"turbidity"},
-               "Of a clear sky's air: 2 clear ... 10 haze; default " + text(sky.turbidity),
-               [&sky](const auto& v) { sky.turbidity = v[0]; });
-    addNumbers(app, "--sky-heading", "DEGREES", {"sky-heading"},
-               "Turns a sky from a file clockwise; default 0",
-               [&sky](const auto& v) { sky.environmentHeading = v[0]; });
-    addNumbers(app, "--sky-gain", "V", {"sky-gain"},
-               "Multiplies the radiance of a sky from a file; default 1",
-               [&sky](const auto& v) { sky.environmentGain = v[0]; });
+    for (const char* name : {"turbidity", "sky-heading", "sky-gain"})
+        addSetting(app, name, sky);
 }
 
 Status readSky(const CLI::App& app, SkyLight& sky, const std::string& file, bool mapMayHaveSky)
@@ -314,14 +292,6 @@ Status readSky(const CLI::App& app, SkyLight& sky, const std::string& file, bool
     return Nothing{};
 }
 
-void addBodyRadius(CLI::App& app, LightingSettings& settings)
-{
-    addNumbers(app, "--body-radius", "METRES", {"body-radius"},
-               "Radius of the planet, below whose horizon terrain sinks, 1000 or more; Earth "
-               "6371000, as light in its air sees it 7323000; default 0: flat",
-               [&settings](const auto& v) { settings.bodyRadius = v[0]; });
-}
-
 void addAreaLights(CLI::App& app, SkyLight& sky)
 {
     app.add_option_function<std::vector<std::string>>(
@@ -344,21 +314,25 @@ void addAreaLights(CLI::App& app, SkyLight& sky)
         ->type_name("AZ,WIDTH,LOW,HIGH[,R,G,B]")
         ->delimiter(';')
         ->allow_extra_args(false);
-    app.add_option_function<std::string>(
-           "--sky-harmonics",
-           [&sky](const std::string& given)
+    const Setting<SkyLight>& harmonics = *findSetting<SkyLight>("sky-harmonics");
+    addRow(app, harmonics, "",
+           [&sky, &harmonics](const SettingValue& value)
            {
-               LightParameters parameters;
-               Status set = setLightParameter(parameters, "sky_harmonics", given);
-               if (set && parameters.sky.skyHarmonics.empty())
-                   set = Error{ErrorCode::Invalid, "needs 1, 4, 9 or 16 coefficients"};
-               if (!set)
-                   throw CLI::ValidationError("--sky-harmonics", set.error().message);
-               sky.skyHarmonics = parameters.sky.skyHarmonics;
-           },
-           "Radiance of the sky, instead of a uniform one: 1, 4, 9 or 16 coefficients of real "
-           "spherical harmonics, each one number or each R,G,B; x east, y north, z up")
-        ->type_name("C,C,C,...");
+               harmonics.set(sky, value);
+               if (sky.skyHarmonics.empty())
+                   throw CLI::ValidationError("--sky-harmonics", "needs " + harmonics.needs());
+           });
+}
+
+void checkProblems(const LightingSettings& settings, const SkyLight& sky, SettingsUse use,
+                   const std::string& option)
+{
+    for (const SettingsProblem& problem : problems(settings, sky, use))
+    {
+        if (problem.refused)
+            throw CLI::ValidationError(option, problem.sentence);
+        warn(problem.sentence);
+    }
 }
 
 void addReadOptions(CLI::App& app, DemReadOptions& read)
@@ -426,23 +400,25 @@ void addRasterOptions(CLI::App& app, RasterOptions& options, bool azimuths)
         ->required()
         ->type_name("");
     app.add_option("OUTPUT", options.output.path, "File to write")->required()->type_name("");
-    addSettings(app, options.settings, azimuths);
-    addBodyRadius(app, options.settings);
+    if (azimuths)
+        addSetting(app, "azimuths", options.settings);
+    addSetting(app, "quality", options.settings);
+    addTopic(app, Topic::Planet, options.settings);
     addReadOptions(app, options.read);
     addOutputOptions(app, options.output);
 }
 
 void addBudget(CLI::App& app, RasterOptions& options)
 {
-    std::vector<CLI::Option*> budgets = {
-        addNumbers(app, "--max-error", "E", {"max-error"},
-                   "Instead of azimuths and quality: the cheapest settings whose error is measured "
-                   "to be at most E on this terrain, relative root mean square, 0.00001 ... 1",
-                   [&options](const auto& v) { options.maxError = v[0]; }),
-        addNumbers(app, "--max-ms", "MS", {"max-ms"},
-                   "Instead of azimuths and quality: the most exact settings that take at most MS "
-                   "milliseconds of GPU time",
-                   [&options](const auto& v) { options.maxMilliseconds = v[0]; })};
+    std::vector<CLI::Option*> budgets;
+    for (const SettingRow& row : budgetRows())
+    {
+        std::optional<double>& target =
+            row.name == "max-error" ? options.maxError : options.maxMilliseconds;
+        budgets.push_back(addRow(app, row, "",
+                                 [&target](const SettingValue& value)
+                                 { target = std::get<std::vector<double>>(value).front(); }));
+    }
     budgets[0]->excludes(budgets[1]);
     for (const char* setting : {"--azimuths", "--quality", "--body-radius"})
         if (CLI::Option* option = app.get_option_no_throw(setting))

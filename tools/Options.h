@@ -6,6 +6,7 @@
 
 #include "Output.h"
 #include "core/Result.h"
+#include "core/SettingsTable.h"
 #include "io/DemReader.h"
 
 #include <CLI/CLI.hpp>
@@ -37,12 +38,31 @@ Mode addInfo(CLI::App& tool);
 Mode addGenerate(CLI::App& tool);
 Mode addBench(CLI::App& tool);
 
-/// An option of numbers separated by commas, as many as there are names. Each name is one of
-/// ParameterRange, which it is checked against.
-CLI::Option* addNumbers(CLI::App& app, const std::string& option, const std::string& typeName,
-                        const std::vector<std::string>& names, const std::string& help,
-                        std::function<void(const std::vector<double>&)> set);
-/// The same for names that the range table does not have.
+/// The option of a row of the table of settings, which checks and describes it. Null where the mode
+/// has it already.
+CLI::Option* addRow(CLI::App& app, const SettingRow& row, const std::string& defaultText,
+                    std::function<void(const SettingValue&)> set);
+template <class Owner>
+CLI::Option* addSetting(CLI::App& app, const Setting<Owner>& setting, Owner& owner)
+{
+    return addRow(app, setting, setting.textOf(owner),
+                  [&setting, &owner](const SettingValue& value) { setting.set(owner, value); });
+}
+template <class Owner>
+CLI::Option* addSetting(CLI::App& app, const std::string& name, Owner& owner)
+{
+    return addSetting(app, *findSetting<Owner>(name), owner);
+}
+/// Every setting of a topic that is an option and that the mode does not have yet.
+template <class Owner>
+void addTopic(CLI::App& app, Topic topic, Owner& owner)
+{
+    for (const Setting<Owner>& setting : settingsOf<Owner>())
+        if (setting.topic == topic && setting.isOption)
+            addSetting(app, setting, owner);
+}
+
+/// A number beside those of the table: its name and range.
 struct Limits
 {
     std::string name;
@@ -60,10 +80,7 @@ CLI::Option* addLimitedNumbers(CLI::App& app, const std::string& option,
 void addSize(CLI::App& app, int& width, int& height, const std::string& help);
 void addConfig(CLI::App& app);
 void addQuiet(CLI::App& app, bool& quiet);
-void addSettings(CLI::App& app, LightingSettings& settings, bool azimuths = true);
-void addExposure(CLI::App& app, LightingSettings& settings);
 void addSun(CLI::App& app, SkyLight& sky);
-void addSunRadius(CLI::App& app, SkyLight& sky);
 /// --sky, --turbidity, --sky-heading, --sky-gain. file: where the sky is one from a file.
 void addSky(CLI::App& app, SkyLight& sky, std::string& file);
 /// Reads the sky's file, where there is one, and takes its sun, unless --no-sun or --light said to
@@ -71,8 +88,6 @@ void addSky(CLI::App& app, SkyLight& sky, std::string& file);
 /// mapMayHaveSky: what is asked of without --sky may be the scene's own.
 Status readSky(const CLI::App& app, SkyLight& sky, const std::string& file,
                bool mapMayHaveSky = false);
-/// --body-radius.
-void addBodyRadius(CLI::App& app, LightingSettings& settings);
 
 /// The sun by time and place instead of --sun.
 struct SunTime
@@ -88,6 +103,10 @@ CLI::Option* addPlace(CLI::App& app, SunTime& sun);
 void addSunTime(CLI::App& app, SunTime& sun);
 /// --key-light and --sky-harmonics.
 void addAreaLights(CLI::App& app, SkyLight& sky);
+/// Throws CLI::ValidationError in the name of an option where settings and light are refused; warns
+/// of what has no effect.
+void checkProblems(const LightingSettings& settings, const SkyLight& sky, SettingsUse use,
+                   const std::string& option);
 void addReadOptions(CLI::App& app, DemReadOptions& read);
 
 /// --unit and --z-factor.
@@ -109,7 +128,7 @@ struct RasterOptions
 };
 /// azimuths: false where the mode computes none but the sun's.
 void addRasterOptions(CLI::App& app, RasterOptions& options, bool azimuths = true);
-/// --bounces, and what they are made of.
+/// --bounces, and what they are made of; --albedo may be a raster.
 void addBounces(CLI::App& app, RasterOptions& options);
 /// --max-error and --max-ms, instead of the settings.
 void addBudget(CLI::App& app, RasterOptions& options);

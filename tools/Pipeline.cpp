@@ -173,10 +173,10 @@ Metadata describe(const std::string& mode, const LitTile& lit, bool azimuths)
     add(metadata, "VERSION", OSGTERRAINLIGHT_VERSION);
     add(metadata, "MODE", mode);
     if (azimuths)
-        add(metadata, "AZIMUTHS", std::to_string(lit.settings.azimuths));
-    add(metadata, "QUALITY", toString(lit.settings.quality));
+        addSetting(metadata, "azimuths", lit.settings);
+    addSetting(metadata, "quality", lit.settings);
     if (lit.settings.bodyRadius > 0.0)
-        add(metadata, "BODY_RADIUS", text(lit.settings.bodyRadius));
+        addSetting(metadata, "body-radius", lit.settings);
     if (lit.choice)
         add(metadata, "ERROR_BOUND", text(lit.choice->error));
     return metadata;

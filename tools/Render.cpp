@@ -34,7 +34,7 @@ struct Options
     std::string skyFile;
     SunTime sun;
     LightingSettings settings;
-    std::string light = "both";
+    LightParameters light; ///< of --light
     double cellSize = 1.0;
     CameraPlace camera;
     int frames = 100;
@@ -53,50 +53,48 @@ std::string readableName(const std::string& scene)
     return ours ? scene + ".terrainlight" : scene;
 }
 
-/// Reader options of our plugin: what was asked for, since a map has settings of its own.
-std::string readerOptions(const CLI::App& app, const Options& options)
+/// What was asked for, since a map has settings of its own.
+GivenLight givenLight(const CLI::App& app, const Options& options)
 {
-    std::string result;
-    const auto add =
-        [&](const std::string& option, const std::string& name, const std::string& value)
+    LightParameters asked;
+    asked.sky = options.sky;
+    asked.settings = options.settings;
+    asked.time = options.sun.time;
+    asked.place = options.sun.place;
+    GivenLight given;
+    const auto add = [&](const std::string& option, const std::string& key)
     {
-        if (app.count(option) > 0)
-            result += (result.empty() ? "" : " ") + name + "=" + value;
+        const CLI::Option* found = app.get_option_no_throw("--" + option);
+        if (found && found->count() > 0)
+            given.changes.push_back([asked, copy = findLightKey(key)->copy](LightParameters& light)
+                                    { copy(light, asked); });
     };
-    add("--sun", "sun_azimuth", text(options.sky.sunAzimuth));
-    add("--sun", "sun_elevation", text(options.sky.sunElevation));
-    add("--sky", "sky", options.sky.skyEnabled ? toString(options.sky.skyModel) : "none");
-    add("--turbidity", "turbidity", text(options.sky.turbidity));
-    if (options.skyFile.empty())
+    for (const char* key : {"sun-azimuth", "sun-elevation"})
+        add("sun", key);
+    for (const char* key : {"sky", "time", "place"})
+        add(key, key);
+    add("key-light", "key-lights");
+    for (const LightKey& key : lightKeys())
     {
-        add("--sky-heading", "sky_heading", text(options.sky.environmentHeading));
-        add("--sky-gain", "sky_gain", text(options.sky.environmentGain));
+        const bool ofFile = key.name == "sky-heading" || key.name == "sky-gain";
+        if (key.isOption && !(ofFile && !options.skyFile.empty())) // set with the file's sky
+            add(key.name, key.name);
     }
-    add("--body-radius", "body_radius", text(options.settings.bodyRadius));
-    if (options.sun.time)
-        add("--time", "time", toString(*options.sun.time));
-    if (options.sun.place)
-        add("--place", "place", toString(*options.sun.place));
-    add("--azimuths", "azimuths", std::to_string(options.settings.azimuths));
-    add("--quality", "quality", toString(options.settings.quality));
-    add("--bounces", "bounces", std::to_string(options.settings.bounces));
-    add("--gloss", "gloss", text(options.settings.gloss));
-    add("--gloss-exponent", "gloss_exponent", text(options.settings.glossExponent));
-    add("--gloss-transfer", "gloss_transfer", toString(options.settings.glossTransfer));
-    add("--exposure", "exposure", text(options.settings.exposure));
-    add("--light", "light", options.light);
-    add("--key-light", "key_lights", findSetting<SkyLight>("key-lights")->textOf(options.sky));
-    add("--sky-harmonics", "sky_harmonics",
-        findSetting<SkyLight>("sky-harmonics")->textOf(options.sky));
-    add("--cell-size", "cell_size", text(options.cellSize));
-    return result;
+    if (app.count("--light") > 0)
+        given.changes.push_back([light = options.light](LightParameters& parameters)
+                                { findLightKey("light")->copy(parameters, light); });
+    if (app.count("--cell-size") > 0)
+        given.cellSize = options.cellSize;
+    return given;
 }
 
 Result<osg::ref_ptr<osg::Node>> load(const CLI::App& app, const Options& options)
 {
     registerReader();
     registerSerializers();
-    const osg::ref_ptr<osgDB::Options> reading = new osgDB::Options(readerOptions(app, options));
+    GivenLight given = givenLight(app, options);
+    const osg::ref_ptr<osgDB::Options> reading = new osgDB::Options;
+    reading->setPluginData(GivenLight::pluginData, &given);
     osgDB::ReaderWriter::ReadResult result =
         osgDB::Registry::instance()->readNode(readableName(options.scene), reading);
     if (result.validNode())
@@ -213,6 +211,7 @@ Status run(const CLI::App& app, Options options)
 {
     if (Status read = readSky(app, options.sky, options.skyFile, true); !read)
         return read;
+    checkProblems(options.settings, options.sky, SettingsUse::Lighting, "SETTINGS");
     refuseSameFile(options.scene, options.output.path);
     if (Status writable = checkOutput(options.output, 0); !writable)
         return writable;
@@ -303,29 +302,21 @@ Mode addRender(CLI::App& tool)
     addSky(*app, options->sky, options->skyFile);
     addSunTime(*app, options->sun);
     addAreaLights(*app, options->sky);
-    addBodyRadius(*app, options->settings);
-    app->add_option("--light", options->light, "What lights the terrain; default both")
-        ->check(CLI::IsMember({"off", "sky", "sun", "both"}))
-        ->type_name("WHAT");
-    addExposure(*app, options->settings);
-    addSettings(*app, options->settings);
-    addNumbers(*app, "--bounces", "N", {"bounces"},
-               "Bounces of light from terrain to terrain, 0 ... 8; default 0",
-               [options](const auto& v) { options->settings.bounces = static_cast<int>(v[0]); });
-    addNumbers(*app, "--gloss", "V", {"gloss"},
-               "What the ground mirrors besides, 0 ... 1; default 0",
-               [options](const auto& v) { options->settings.gloss = v[0]; });
-    addNumbers(*app, "--gloss-exponent", "V", {"gloss-exponent"},
-               "How sharply it mirrors, 1 ... 64; default 8",
-               [options](const auto& v) { options->settings.glossExponent = v[0]; })
-        ->needs("--gloss");
+    const LightKey& light = *findLightKey("light");
     app->add_option_function<std::string>(
-           "--gloss-transfer",
-           [options](const std::string& name)
-           { fromString(name, options->settings.glossTransfer); },
-           "How gloss gets from terrain to terrain; default vector")
-        ->check(CLI::IsMember({"vector", "scalar"}))
-        ->needs("--gloss");
+           "--light",
+           [options, &light](const std::string& what)
+           {
+               if (const Status set = light.read(options->light, what); !set)
+                   throw CLI::ValidationError("--light", set.error().message);
+           },
+           light.meaning + " One of off, sky, sun and both; default both.")
+        ->type_name("off|sky|sun|both");
+    for (const Topic topic :
+         {Topic::Planet, Topic::Picture, Topic::Horizons, Topic::Bounces, Topic::Gloss})
+        addTopic(*app, topic, options->settings);
+    for (const char* of : {"--gloss-exponent", "--gloss-transfer"})
+        app->get_option(of)->needs("--gloss");
     addCellSize(*app, [options](double size) { options->cellSize = size; });
     addLimitedNumbers(*app, "--frames", "N", {{"frames", 1.0, 100000.0, true}},
                       "Frames drawn at most while the picture still changes; default 100",

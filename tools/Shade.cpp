@@ -122,25 +122,29 @@ Metadata metadataOf(const Options& options, const LitTile& lit)
     addAreaLights(metadata, options.sky);
     if (sky.skyEnabled && !sky.environment && sky.skyHarmonics.empty() &&
         sky.skyModel != SkyModel::Clear)
-        add(metadata, "SKY_RADIANCE", text(options.sky.skyRadiance));
-    add(metadata, "BOUNCES", std::to_string(options.settings.bounces));
+        addSetting(metadata, "sky-radiance", options.sky);
+    addSetting(metadata, "bounces", options.settings);
     if (options.settings.bounces > 0 || options.settings.bounceMethod != BounceMethod::Slices)
     {
-        add(metadata, "BOUNCE_METHOD", toString(options.settings.bounceMethod));
-        add(metadata, "SUBSAMPLING", std::to_string(options.settings.subsampling));
+        addSetting(metadata, "bounce-method", options.settings);
+        addSetting(metadata, "subsampling", options.settings);
     }
     if (options.settings.bounces > 0)
-        add(metadata, "ALBEDO",
-            options.albedoFile.empty() ? text(options.settings.albedo) : options.albedoFile);
+    {
+        if (options.albedoFile.empty())
+            addSetting(metadata, "albedo", options.settings);
+        else
+            add(metadata, "ALBEDO", options.albedoFile);
+    }
     add(metadata, "SUN", options.sky.sunEnabled ? "yes" : "no");
     if (sky.sunEnabled || (sky.skyEnabled && sky.skyModel == SkyModel::Clear))
     {
         metadata.insert(metadata.end(), options.sunMetadata.begin(), options.sunMetadata.end());
         addSun(metadata, options.sky);
-        add(metadata, "SUN_IRRADIANCE", text(options.sky.sunIrradiance));
+        addSetting(metadata, "sun-irradiance", options.sky);
     }
     if (isPicture(options.output))
-        add(metadata, "EXPOSURE", text(options.settings.exposure));
+        addSetting(metadata, "exposure", options.settings);
     return metadata;
 }
 
@@ -148,16 +152,12 @@ Status run(const CLI::App& app, Options options)
 {
     if (Status read = readSky(app, options.sky, options.skyFile); !read)
         return read;
-    if ((options.maxError || options.maxMilliseconds) &&
-        options.settings.bounceMethod != BounceMethod::Slices)
-        throw CLI::ValidationError("--bounce-method",
-                                   std::string(toString(options.settings.bounceMethod)) +
-                                       ": settings can be chosen for slices only");
-    if ((options.maxError || options.maxMilliseconds) &&
-        (skyHasTable(options.sky) || !options.sky.keyLights.empty()))
-        throw CLI::ValidationError(options.maxError ? "--max-error" : "--max-ms",
-                                   "chooses settings for a uniform sky and a sun: needs neither "
-                                   "another sky nor --key-light");
+    const bool chosen = options.maxError || options.maxMilliseconds;
+    checkProblems(options.settings, options.sky,
+                  chosen ? SettingsUse::Choice : SettingsUse::Lighting,
+                  options.maxError ? "--max-error"
+                  : chosen         ? "--max-ms"
+                                   : "SETTINGS");
     // A sun that is off still makes a clear sky.
     const bool clear = options.sky.skyEnabled && options.sky.skyModel == SkyModel::Clear;
     if (!options.sky.sunEnabled && !clear && options.sun.time)
@@ -207,25 +207,14 @@ Mode addShade(CLI::App& tool)
     addBudget(*app, *options);
     addSun(*app, options->sky);
     addSunTime(*app, options->sun);
-    addSunRadius(*app, options->sky);
+    addSetting(*app, "sun-radius", options->sky);
     app->add_flag_function(
         "--no-sun", [options](std::int64_t) { options->sky.sunEnabled = false; }, "Sky light only");
     addSky(*app, options->sky, options->skyFile);
-    const auto colour = [&](const std::string& name, const std::string& help, Rgb& target)
-    {
-        addNumbers(*app, "--" + name, "R,G,B", {name, name, name},
-                   help + "; default " + text(target),
-                   [&target](const auto& v)
-                   {
-                       for (std::size_t c = 0; c < 3; ++c)
-                           target[c] = static_cast<float>(v[c]);
-                   });
-    };
-    colour("sun-irradiance", "On a surface that faces the sun", options->sky.sunIrradiance);
-    colour("sky-radiance", "Of the uniform sky, or of the overcast one at the zenith",
-           options->sky.skyRadiance);
+    addSetting(*app, "sun-irradiance", options->sky);
+    addSetting(*app, "sky-radiance", options->sky);
     addAreaLights(*app, options->sky);
-    addExposure(*app, options->settings);
+    addTopic(*app, Topic::Picture, options->settings);
     return {app, [app, options] { return run(*app, *options); }};
 }
 

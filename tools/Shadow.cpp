@@ -60,7 +60,7 @@ Mode addShadow(CLI::App& tool)
     addBudget(*app, *options);
     addSun(*app, options->sky);
     addSunTime(*app, options->sun);
-    addSunRadius(*app, options->sky);
+    addSetting(*app, "sun-radius", options->sky);
     return {app, [options] { return run(*options); }};
 }
 

@@ -122,7 +122,7 @@ Status run(const Options& options)
     add(metadata, "TO", toString(options.to));
     add(metadata, "STEP_MINUTES", text(options.step));
     addPlace(metadata, *place);
-    add(metadata, "SUN_RADIUS", text(options.sky.sunAngularRadius));
+    addSetting(metadata, "sun-radius", options.sky);
     if (Status written = writeBands(
             options.output, lit.dem.frame,
             {{"hours of direct sun from " + toString(options.from) + " to " + toString(options.to),
@@ -162,7 +162,7 @@ Mode addSunHours(CLI::App& tool)
                       "Minutes from sun to sun, 0.1 ... 1440; default 10",
                       [options](const auto& v) { options->step = v[0]; });
     addPlace(*app, options->sun);
-    addSunRadius(*app, options->sky);
+    addSetting(*app, "sun-radius", options->sky);
     return {app, [options] { return run(*options); }};
 }
 

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <sstream>
+
 using namespace osgTerrainLight;
 
 TEST(LightParameters, EveryKeyIsReadAndCopied)
@@ -66,4 +69,35 @@ TEST(LightParameters, RefusesByNameAndLeavesTheRest)
     ASSERT_FALSE(bad);
     EXPECT_EQ(bad.error().message, "bounces = \"2.5\": needs a whole number, 0 ... 8");
     EXPECT_TRUE(light.settings == LightingSettings());
+}
+
+TEST(LightParameters, EveryRowIsDocumented)
+{
+    const auto document = [](const char* name)
+    {
+        std::ifstream file(std::string(OTL_SOURCE_DIR "/docs/") + name);
+        std::stringstream text;
+        text << file.rdbuf();
+        return text.str();
+    };
+    const std::string earth = document("EARTH_FILE.md"), tool = document("TOOL.md");
+    ASSERT_FALSE(earth.empty() || tool.empty());
+    for (const LightKey& key : lightKeys())
+        EXPECT_NE(earth.find("`" + key.key() + "`"), std::string::npos) << key.key();
+    const auto expectOption = [&](const SettingRow& row)
+    {
+        // The sun's place is one option, and key lights are given one by one.
+        const std::string option = row.topic == Topic::KeyLights ? "key-light"
+                                   : row.name == "sun-azimuth" || row.name == "sun-elevation"
+                                       ? "sun"
+                                       : row.name;
+        if (row.isOption)
+            EXPECT_NE(tool.find("`--" + option), std::string::npos) << row.name;
+    };
+    for (const Setting<LightingSettings>& setting : settingsOf<LightingSettings>())
+        expectOption(setting);
+    for (const Setting<SkyLight>& setting : settingsOf<SkyLight>())
+        expectOption(setting);
+    for (const SettingRow& row : budgetRows())
+        expectOption(row);
 }

@@ -50,6 +50,15 @@ OSGTERRAINLIGHT_EXPORT const LightKey* findLightKey(const std::string& name);
 OSGTERRAINLIGHT_EXPORT Status setLightParameter(LightParameters& parameters,
                                                 const std::string& name, const std::string& value);
 
+/// What a program asks the reader for, over what a map says, as values: plugin data of
+/// osgDB::Options under this name. It lives as long as the reading.
+struct GivenLight
+{
+    static constexpr const char* pluginData = "osgTerrainLight::GivenLight";
+    std::vector<std::function<void(LightParameters&)>> changes; ///< in this order
+    std::optional<double> cellSize;                             ///< [m]
+};
+
 /// Sets one number or colour of a key light by its name.
 OSGTERRAINLIGHT_EXPORT Status setKeyLight(KeyLight& key, const std::string& name,
                                           const std::string& value);

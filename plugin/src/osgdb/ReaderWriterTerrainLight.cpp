@@ -50,6 +50,14 @@ Result<ReaderOptions> parseOptions(const osgDB::Options* given, const LightParam
 {
     ReaderOptions options;
     options.light = start;
+    if (const auto* asked =
+            given ? static_cast<const GivenLight*>(given->getPluginData(GivenLight::pluginData))
+                  : nullptr)
+    {
+        for (const auto& change : asked->changes)
+            change(options.light);
+        options.cellSize = asked->cellSize;
+    }
     std::istringstream words(given ? given->getOptionString() : "");
     std::string word;
     while (words >> word)
