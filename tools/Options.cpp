@@ -292,6 +292,36 @@ Status readSky(const CLI::App& app, SkyLight& sky, const std::string& file, bool
     return Nothing{};
 }
 
+void addBodyRadius(CLI::App& app, LightingSettings& settings, BodyRadius& said)
+{
+    const auto set = [&settings, &said](const std::string& given)
+    {
+        // Mean radii; those of the working group of the IAU.
+        static const std::pair<const char*, double> bodies[] = {
+            {"earth", 6371000.0}, {"moon", 1737400.0}, {"mars", 3389500.0}};
+        said = given == "auto" ? BodyRadius::OfCrs : BodyRadius::Given;
+        std::optional<double> radius = given == "auto" ? 0.0 : number(given);
+        for (const auto& [name, metres] : bodies)
+            if (given == name)
+                radius = metres;
+        if (!radius)
+            throw CLI::ValidationError("--body-radius", "'" + given +
+                                                            "': needs metres, earth, moon, mars "
+                                                            "or auto");
+        if (const std::string wrong = ParameterRange::find("body-radius")->complaint(*radius);
+            !wrong.empty())
+            throw CLI::ValidationError("--body-radius", wrong);
+        settings.bodyRadius = *radius;
+    };
+    app.add_option_function<std::string>("--body-radius", set,
+                                         "Radius of the planet in metres, 1000 or more, or earth, "
+                                         "moon, mars, or auto: that of the "
+                                         "input's CRS. Distant terrain is lowered by its "
+                                         "curvature; 7323000 is the Earth as light "
+                                         "in its air sees it; default 0: flat")
+        ->type_name("METRES|NAME");
+}
+
 void addAreaLights(CLI::App& app, SkyLight& sky)
 {
     app.add_option_function<std::vector<std::string>>(
@@ -403,7 +433,7 @@ void addRasterOptions(CLI::App& app, RasterOptions& options, bool azimuths)
     if (azimuths)
         addSetting(app, "azimuths", options.settings);
     addSetting(app, "quality", options.settings);
-    addTopic(app, Topic::Planet, options.settings);
+    addBodyRadius(app, options.settings, options.bodyRadius);
     addReadOptions(app, options.read);
     addOutputOptions(app, options.output);
 }

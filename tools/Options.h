@@ -88,6 +88,15 @@ void addSky(CLI::App& app, SkyLight& sky, std::string& file);
 /// mapMayHaveSky: what is asked of without --sky may be the scene's own.
 Status readSky(const CLI::App& app, SkyLight& sky, const std::string& file,
                bool mapMayHaveSky = false);
+/// Where the radius of the planet comes from.
+enum class BodyRadius
+{
+    Unsaid, ///< flat, with a hint where that matters
+    Given,
+    OfCrs ///< of the input
+};
+/// --body-radius.
+void addBodyRadius(CLI::App& app, LightingSettings& settings, BodyRadius& said);
 
 /// The sun by time and place instead of --sun.
 struct SunTime
@@ -122,6 +131,7 @@ struct RasterOptions
     std::string input;
     DemReadOptions read;
     LightingSettings settings;
+    BodyRadius bodyRadius = BodyRadius::Unsaid;
     std::string albedoFile;                          ///< a raster; empty: settings.albedo
     std::optional<double> maxError, maxMilliseconds; ///< one of them: settings are chosen by it
     OutputOptions output;

@@ -8,6 +8,7 @@
 #include <cpl_string.h>
 
 #include <osg/GL>
+#include <osg/Math>
 
 #include <chrono>
 #include <iostream>
@@ -213,17 +214,55 @@ Status setSun(SkyLight& sky, const RasterOptions& options, const SunTime& sun, M
     return Nothing{};
 }
 
-/// Terrain sinks along a parabola, which is no sphere where the tile is a part of it.
-static Status checkPlanet(const LightingSettings& settings, const DemInfo& info)
+Result<double> radiusOfCrs(const DemInfo& info)
 {
-    const double extent =
-        std::hypot(info.eastSpacing * info.window.width, info.northSpacing * info.window.height);
-    if (settings.bodyRadius == 0.0 || settings.bodyRadius >= 10.0 * extent)
-        return Nothing{};
-    return Error{ErrorCode::Invalid, "--body-radius " + text(settings.bodyRadius) +
-                                         ": the tile is " + text(std::round(extent)) +
+    if (info.bodyRadius > 0.0)
+        return info.bodyRadius;
+    return Error{ErrorCode::NotFound,
+                 "--body-radius auto: the CRS names no planet: needs a radius in metres"};
+}
+
+namespace
+{
+double extentOf(const DemInfo& info)
+{
+    return std::hypot(info.eastSpacing * info.window.width, info.northSpacing * info.window.height);
+}
+
+/// The radius to compute with. Terrain sinks along a parabola, which is no sphere where the tile is
+/// a large part of it.
+Result<double> chooseRadius(const RasterOptions& options, const DemInfo& info)
+{
+    double radius = options.settings.bodyRadius;
+    if (options.bodyRadius == BodyRadius::OfCrs)
+    {
+        const Result<double> own = radiusOfCrs(info);
+        if (!own)
+            return own.error();
+        radius = *own;
+    }
+    const double extent = extentOf(info);
+    if (radius == 0.0 || radius >= 10.0 * extent)
+        return radius;
+    return Error{ErrorCode::Invalid, "--body-radius " + text(radius) + ": the tile is " +
+                                         text(std::round(extent)) +
                                          " m across: needs at least ten times that"};
 }
+
+/// Over a distance d the ground sinks by d²/2R, an angle of d/2R.
+void hintAtCurvature(const RasterOptions& options, const DemInfo& info)
+{
+    constexpr double tellable = 0.1; // [degrees]
+    if (options.bodyRadius != BodyRadius::Unsaid || !(info.bodyRadius > 0.0))
+        return;
+    const double sinking = osg::RadiansToDegrees(0.5 * extentOf(info) / info.bodyRadius);
+    if (sinking > tellable)
+        warn(options.input +
+             ": is lit as flat, but the planet's curvature lowers the far edge by " +
+             CPLSPrintf("%.2g", sinking) + " degrees: --body-radius auto follows it (" +
+             text(info.bodyRadius) + " m), --body-radius 0 stays flat");
+}
+} // namespace
 
 Status readTile(const RasterOptions& options, int bands, LitTile& lit, std::size_t& headNotes,
                 Progress& progress)
@@ -235,10 +274,12 @@ Status readTile(const RasterOptions& options, int bands, LitTile& lit, std::size
         return info.error();
     if (Status writable = checkOutput(options.output, bands); !writable)
         return writable;
-    if (Status planet = checkPlanet(options.settings, *info); !planet)
-        return Error{planet.error().code, path + ": " + planet.error().message};
+    const Result<double> radius = chooseRadius(options, *info);
+    if (!radius)
+        return Error{radius.error().code, path + ": " + radius.error().message};
     for (const std::string& note : info->notes)
         warn(path + ": " + note);
+    hintAtCurvature(options, *info);
     headNotes = info->notes.size();
 
     Result<Gpu> gpu = openGpu();
@@ -260,6 +301,7 @@ Status readTile(const RasterOptions& options, int bands, LitTile& lit, std::size
         return dem.error();
     lit.dem = std::move(*dem);
     lit.settings = options.settings;
+    lit.settings.bodyRadius = *radius;
     if (options.albedoFile.empty())
         return Nothing{};
     Result<Raster<Rgb>> albedo = readAlbedo(options.albedoFile, *info);

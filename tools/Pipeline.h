@@ -46,6 +46,8 @@ struct LitTile
 };
 
 /// The place that was given or that of the raster; an error names the raster and --place.
+/// --body-radius auto. Error: the CRS has none.
+Result<double> radiusOfCrs(const DemInfo& info);
 Result<EarthPlace> placeOf(const RasterOptions& options, const SunTime& sun);
 /// Where a time was given, sets the sun by it, with a warning where it has set, and says so in the
 /// metadata: TERRAINLIGHT_TIME, _PLACE and _CONVERGENCE.

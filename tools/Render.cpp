@@ -35,7 +35,8 @@ struct Options
     SunTime sun;
     LightingSettings settings;
     LightParameters light; ///< of --light
-    double cellSize = 1.0;
+    DemReadOptions read;   ///< cell size, unit and factor
+    BodyRadius bodyRadius = BodyRadius::Unsaid;
     CameraPlace camera;
     int frames = 100;
 };
@@ -83,9 +84,23 @@ GivenLight givenLight(const CLI::App& app, const Options& options)
     if (app.count("--light") > 0)
         given.changes.push_back([light = options.light](LightParameters& parameters)
                                 { findLightKey("light")->copy(parameters, light); });
-    if (app.count("--cell-size") > 0)
-        given.cellSize = options.cellSize;
+    given.read = options.read;
     return given;
+}
+
+/// --body-radius auto, of a raster.
+Status takeRadius(Options& options)
+{
+    if (options.bodyRadius != BodyRadius::OfCrs)
+        return Nothing{};
+    const Result<DemInfo> info = describeDem(options.scene, options.read);
+    if (!info)
+        return Error{info.error().code, "--body-radius auto: " + info.error().message};
+    const Result<double> radius = radiusOfCrs(*info);
+    if (!radius)
+        return Error{radius.error().code, options.scene + ": " + radius.error().message};
+    options.settings.bodyRadius = *radius;
+    return Nothing{};
 }
 
 Result<osg::ref_ptr<osg::Node>> load(const CLI::App& app, const Options& options)
@@ -225,6 +240,8 @@ Status run(const CLI::App& app, Options options)
                                                   gpu->capabilities.renderer + "' draws " +
                                                   std::to_string(gpu->capabilities.maxTextureSize) +
                                                   " a side at most"};
+    if (Status taken = takeRadius(options); !taken)
+        return taken;
     Result<osg::ref_ptr<osg::Node>> scene = load(app, options);
     if (!scene)
         return scene.error();
@@ -312,12 +329,13 @@ Mode addRender(CLI::App& tool)
            },
            light.meaning + " One of off, sky, sun and both; default both.")
         ->type_name("off|sky|sun|both");
-    for (const Topic topic :
-         {Topic::Planet, Topic::Picture, Topic::Horizons, Topic::Bounces, Topic::Gloss})
+    addBodyRadius(*app, options->settings, options->bodyRadius);
+    for (const Topic topic : {Topic::Picture, Topic::Horizons, Topic::Bounces, Topic::Gloss})
         addTopic(*app, topic, options->settings);
     for (const char* of : {"--gloss-exponent", "--gloss-transfer"})
         app->get_option(of)->needs("--gloss");
-    addCellSize(*app, [options](double size) { options->cellSize = size; });
+    addCellSize(*app, [options](double size) { options->read.cellSize = size; });
+    addHeightOptions(*app, options->read);
     addLimitedNumbers(*app, "--frames", "N", {{"frames", 1.0, 100000.0, true}},
                       "Frames drawn at most while the picture still changes; default 100",
                       [options](const auto& v) { options->frames = static_cast<int>(v[0]); });

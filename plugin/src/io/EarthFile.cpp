@@ -1,5 +1,7 @@
 #include "io/EarthFile.h"
 
+#include "io/ReadOption.h"
+
 #include <pugixml.hpp>
 
 #include <algorithm>
@@ -152,7 +154,12 @@ private:
                      has("image") || has("elevation") || has("heightfield"));
             return Nothing{};
         }
-        const EarthLayer layer{name, valueOf(element, "url"), lineOf(element)};
+        EarthLayer layer{name, valueOf(element, "url"), lineOf(element), {}};
+        for (const char* key : readOptionNames)
+            if (const std::string value = valueOf(element, key); elevation && !value.empty())
+                if (const Status set = setReadOption(layer.read, key, value); !set)
+                    return error(layer.line,
+                                 "<" + std::string(element.name()) + "> " + set.error().message);
         if (layer.url.empty())
             leaveOut(element, what, "has no url", true);
         else

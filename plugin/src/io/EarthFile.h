@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/Result.h"
+#include "io/DemReader.h"
 #include "io/LightParameters.h"
 #include <osgTerrainLight/Export.h>
 
@@ -16,6 +17,7 @@ struct EarthLayer
     std::string name;
     std::string url; ///< as written; relative to the file's folder
     int line = 0;
+    DemReadOptions read; ///< of an elevation: cell_size, unit, z_factor
 };
 
 /// What we read of an .earth file (docs/EARTH_FILE.md).

@@ -3,6 +3,7 @@
 #include "core/KeyLightText.h"
 #include "core/Result.h"
 #include "core/SettingsTable.h"
+#include "io/DemReader.h"
 #include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/LightingSettings.h>
 #include <osgTerrainLight/SkyLight.h>
@@ -56,7 +57,7 @@ struct GivenLight
 {
     static constexpr const char* pluginData = "osgTerrainLight::GivenLight";
     std::vector<std::function<void(LightParameters&)>> changes; ///< in this order
-    std::optional<double> cellSize;                             ///< [m]
+    DemReadOptions read;                                        ///< of a raster
 };
 
 /// Sets one number or colour of a key light by its name.

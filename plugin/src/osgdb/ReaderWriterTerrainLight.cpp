@@ -2,6 +2,7 @@
 
 #include "io/EarthFile.h"
 #include "io/LightParameters.h"
+#include "io/ReadOption.h"
 #include "scene/TerrainModel.h"
 #include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/TerrainLighting.h>
@@ -12,10 +13,8 @@
 #include <osgDB/ReadFile>
 #include <osgDB/Registry>
 
-#include <cmath>
+#include <algorithm>
 #include <iterator>
-#include <locale>
-#include <optional>
 #include <sstream>
 
 namespace osgTerrainLight
@@ -27,22 +26,16 @@ namespace
 struct ReaderOptions
 {
     LightParameters light;
-    std::optional<double> cellSize;
+    DemReadOptions read;
     std::string word; ///< the first that is no name=value: another plugin's, if anyone's
 };
 
 Status setOption(ReaderOptions& options, const std::string& name, const std::string& value)
 {
-    if (name != "cell_size")
-        return setLightParameter(options.light, name, value);
-    std::istringstream text(value);
-    text.imbue(std::locale::classic());
-    double size = 0.0;
-    if (!(text >> size) || !text.eof() || !(size > 0.0) || !std::isfinite(size))
-        return Error{ErrorCode::Invalid,
-                     "cell_size = \"" + value + "\": needs a number of metres more than 0"};
-    options.cellSize = size;
-    return Nothing{};
+    const bool ofReading =
+        std::find(readOptionNames.begin(), readOptionNames.end(), name) != readOptionNames.end();
+    return ofReading ? setReadOption(options.read, name, value)
+                     : setLightParameter(options.light, name, value);
 }
 
 /// start: what the options change.
@@ -56,7 +49,7 @@ Result<ReaderOptions> parseOptions(const osgDB::Options* given, const LightParam
     {
         for (const auto& change : asked->changes)
             change(options.light);
-        options.cellSize = asked->cellSize;
+        options.read = asked->read;
     }
     std::istringstream words(given ? given->getOptionString() : "");
     std::string word;
@@ -95,6 +88,8 @@ public:
         for (const LightKey& key : lightKeys())
             supportsOption(key.key() + "=VALUE", key.meaning + " Needs " + key.needs() + ".");
         supportsOption("cell_size=METRES", "between posts of a raster without geotransform");
+        supportsOption("unit=NAME", "of heights, instead of what the raster says");
+        supportsOption("z_factor=NUMBER", "that heights are multiplied by");
     }
 
     const char* className() const override { return "Terrain lighting reader"; }
@@ -166,7 +161,7 @@ private:
         Error reason;
         if (exists)
         {
-            const Result<TerrainModel> model = loadRaster(path, options->cellSize, options->light);
+            const Result<TerrainModel> model = loadRaster(path, options->read, options->light);
             if (model && !options->word.empty())
                 return failed(path + ": reader option " + options->word + ": needs NAME=VALUE");
             if (model)

@@ -20,6 +20,13 @@ void Scheduler::add(LitTile* tile)
     Lock lock(_mutex);
     _tiles.emplace_back(tile);
     touch();
+    if (_tiles.size() == 2 && !_saidAlone)
+    {
+        _saidAlone = true;
+        OSG_WARN << "osgTerrainLight: the scene has several terrain tiles. Each tile is lit alone, "
+                    "so shadows end at the edge of the tile that casts them."
+                 << std::endl;
+    }
 }
 
 void Scheduler::remove(LitTile* tile)

@@ -87,6 +87,7 @@ private:
 
     mutable std::mutex _mutex; ///< never held during a dispatch
     std::vector<osg::ref_ptr<LitTile>> _tiles;
+    bool _saidAlone = false; ///< that tiles do not light one another
     std::map<unsigned, Context> _contexts;
     std::shared_ptr<const SceneLight> _light;
     std::atomic<unsigned> _revision{1};

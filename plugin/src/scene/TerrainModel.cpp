@@ -106,10 +106,8 @@ std::string baseName(const std::string& path)
 }
 
 /// A DEM with as many posts as are drawn.
-Result<DemFile> readDrawn(const std::string& path, std::optional<double> cellSize)
+Result<DemFile> readDrawn(const std::string& path, const DemReadOptions& options)
 {
-    DemReadOptions options;
-    options.cellSize = cellSize;
     Result<DemFile> file = readDemReduced(path, options, mostDrawnPosts);
     if (file && (file->tile.width() < 2 || file->tile.height() < 2))
         return Error{ErrorCode::Invalid, path + ": has " + std::to_string(file->tile.width()) +
@@ -209,10 +207,10 @@ Status setTimeAndPlace(TerrainLighting& node, const LightParameters& light,
     return Nothing{};
 }
 
-Result<TerrainModel> loadRaster(const std::string& path, std::optional<double> cellSize,
+Result<TerrainModel> loadRaster(const std::string& path, const DemReadOptions& read,
                                 const LightParameters& light)
 {
-    const Result<DemFile> file = readDrawn(path, cellSize);
+    const Result<DemFile> file = readDrawn(path, read);
     if (!file)
         return file.error();
     TerrainModel model;
@@ -248,7 +246,7 @@ TerrainModel loadMap(const EarthMap& map, const std::string& folder, const std::
             continue;
         }
         const std::string path = resolved(layer.url, folder);
-        const Result<DemFile> file = readDrawn(path, std::nullopt);
+        const Result<DemFile> file = readDrawn(path, layer.read);
         if (!file)
         {
             leaveOut(layer, file.error().message);

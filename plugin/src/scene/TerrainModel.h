@@ -42,9 +42,9 @@ createLighting(const LightParameters& light, const std::string& folder,
 OSGTERRAINLIGHT_EXPORT Status setTimeAndPlace(TerrainLighting& node, const LightParameters& light,
                                               const std::optional<DemTile>& tile);
 
-/// A lit DEM. cellSize [m]: of a raster without geotransform.
+/// A lit DEM.
 OSGTERRAINLIGHT_EXPORT Result<TerrainModel>
-loadRaster(const std::string& path, std::optional<double> cellSize, const LightParameters& light);
+loadRaster(const std::string& path, const DemReadOptions& read, const LightParameters& light);
 
 /// A lit map; layers that cannot be read are left out, with a warning each. folder: what relative
 /// URLs start from. source: what messages call the map.
