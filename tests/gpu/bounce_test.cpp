@@ -108,7 +108,7 @@ class BounceAccuracy : public testing::TestWithParam<Accuracy>
 
 // Expected: the path tracer, whose own noise is subtracted in the mean square. Bounds: what the
 // issue of indirect light asks for (2 % by default, 0.7 % at best) where it is reached; elsewhere
-// what is measured and a fifth more (docs/ARCHITECTURE.md says what is missing there).
+// what is measured and a fifth more (docs/methods/bounces.md says what is missing there).
 TEST_P(BounceAccuracy, AgainstThePathTracer)
 {
     OTL_NEED_GL(context);

@@ -377,8 +377,8 @@ TEST(Gloss, TwiceIsTheSame)
     lighting->releaseGLObjects(&state);
 }
 
-// Expected: the path tracer; the figures that docs/ARCHITECTURE.md quotes. Bounds: the greater of
-// what is measured on the two terrains, and a quarter more.
+// Expected: the path tracer; the figures that docs/measurements/ACCURACY.md quotes. Bounds: the
+// greater of what is measured on the two terrains, and a quarter more.
 TEST(GlossAccuracy, AgainstThePathTracer)
 {
     OTL_NEED_GL(context);

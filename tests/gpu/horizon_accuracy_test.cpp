@@ -1,5 +1,6 @@
 // Horizons, sky-view factor and shadows of the GPU path against the exhaustive reference in double.
-// Bounds are the ones that the project promises (docs/ARCHITECTURE.md has what was measured).
+// Bounds are the ones that the project promises (docs/measurements/ACCURACY.md has what was
+// measured).
 #include "support/GlContext.h"
 #include "support/Horizons.h"
 

@@ -44,8 +44,8 @@ struct OSGTERRAINLIGHT_EXPORT Environment
 };
 
 /// An environment from a picture of the layout above. A sun is looked for and taken out;
-/// docs/ARCHITECTURE.md says when. Null where sizes or values are out of range; problem then says
-/// what was found and what was needed.
+/// docs/methods/environments.md says when. Null where sizes or values are out of range; problem
+/// then says what was found and what was needed.
 OSGTERRAINLIGHT_EXPORT std::shared_ptr<const Environment>
 createEnvironment(int columns, int rows, std::vector<Rgb> radiance, std::string& problem);
 

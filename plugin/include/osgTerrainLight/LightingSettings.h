@@ -12,7 +12,7 @@ class DemTile;
 struct SettingsChoice;
 struct SkyLight;
 
-/// How exactly horizons are computed; docs/ARCHITECTURE.md has each one's error and cost.
+/// How exactly horizons are computed; docs/measurements/ACCURACY.md has each one's error and cost.
 enum class HorizonQuality
 {
     Draft,
@@ -24,7 +24,7 @@ OSGTERRAINLIGHT_EXPORT const char* toString(HorizonQuality quality);
 /// False where the text is none of draft, normal, best; quality is then unchanged.
 OSGTERRAINLIGHT_EXPORT bool fromString(const std::string& text, HorizonQuality& quality);
 
-/// How bounces are computed and, with Legendre, direct light too; docs/ARCHITECTURE.md compares
+/// How bounces are computed and, with Legendre, direct light too; docs/methods/legendre.md compares
 /// them.
 enum class BounceMethod
 {
@@ -40,7 +40,7 @@ OSGTERRAINLIGHT_EXPORT const char* toString(BounceMethod method);
 OSGTERRAINLIGHT_EXPORT bool fromString(const std::string& text, BounceMethod& method);
 
 /// How glossy light gets from terrain to terrain (Nowrouzezahrai and Snyder 2009, section 5.3);
-/// docs/ARCHITECTURE.md compares the two.
+/// docs/methods/gloss.md compares the two.
 enum class GlossTransfer
 {
     Vector, ///< as a function of direction, within spherical harmonics of order 4
@@ -62,9 +62,9 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
     BounceMethod bounceMethod = BounceMethod::Slices;
     /// Terrain farther than two posts is looked at from every 1st, 2nd or 4th post in both
     /// directions; what is nearer, normals and horizons are each post's own. A bounce then takes a
-    /// third or a sixth of the time (docs/ARCHITECTURE.md has errors and memory). With Legendre all
-    /// light, direct light too, is gathered there and shaded with all posts' normals. Gloss is not
-    /// thinned out.
+    /// third or a sixth of the time (docs/methods/bounces.md has errors and memory). With Legendre
+    /// all light, direct light too, is gathered there and shaded with all posts' normals. Gloss is
+    /// not thinned out.
     int subsampling = 1;
     /// While only light changes, bounces are computed in every n-th update, 1 … 16, and those of
     /// the last time are added to new direct light in between (Nowrouzezahrai and Snyder 2009,
@@ -79,7 +79,7 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
     /// = glossExponent, 1 … 64. 0: nothing is computed and nothing kept for it. With a BounceMethod
     /// other than Slices it has no effect. Neither it nor albedo is cut where their sum is more
     /// than 1: such ground sends more than it receives, and bounces need not converge. Per post:
-    /// TerrainLighting::setGlossLayer(). docs/ARCHITECTURE.md has memory and errors.
+    /// TerrainLighting::setGlossLayer(). docs/methods/gloss.md has memory and errors.
     double gloss = 0.0;
     double glossExponent = 8.0;
     GlossTransfer glossTransfer = GlossTransfer::Vector;
