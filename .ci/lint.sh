@@ -156,7 +156,7 @@ for file in files:
 
 def anchors(text):
     """What GitHub makes of the headings: lower case, no punctuation, blanks to hyphens."""
-    prose = re.sub(r"^```.*?^```", "", text, flags=re.S | re.M)
+    prose = re.sub(r"^ *```.*?^ *```", "", text, flags=re.S | re.M)
     headings = re.findall(r"^#+ +(.*?) *$", prose, re.M)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
@@ -165,7 +165,7 @@ for file in files:
     if file.suffix != ".md":
         continue
     text = file.read_text()
-    prose = re.sub(r"^```.*?^```|`[^`\n]*`", lambda m: "\n" * m[0].count("\n"), text,
+    prose = re.sub(r"^ *```.*?^ *```|`[^`\n]*`", lambda m: "\n" * m[0].count("\n"), text,
                    flags=re.S | re.M)
     for number, line in enumerate(prose.split("\n"), 1):
         for target in re.findall(r"\]\(([^)\s]+)\)", line):
