@@ -206,7 +206,7 @@ TEST_F(GpuPassTest, NewOutputAtADeletedOnesAddressIsAllocated)
     int again = 0;
     for (int i = 0; i < 50; ++i)
     {
-        pass->writes(0, nullptr);
+        pass->writes(0, static_cast<osg::Texture*>(nullptr));
         // Other sizes: a stale allocation would be too small.
         const auto result = createTarget(width + i, height + i, GL_R32F);
         again += !addresses.insert(result.get()).second;

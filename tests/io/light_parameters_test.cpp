@@ -92,7 +92,9 @@ TEST(LightParameters, EveryRowIsDocumented)
                                        ? "sun"
                                        : row.name;
         if (row.isOption)
+        {
             EXPECT_NE(tool.find("`--" + option), std::string::npos) << row.name;
+        }
     };
     for (const Setting<LightingSettings>& setting : settingsOf<LightingSettings>())
         expectOption(setting);
