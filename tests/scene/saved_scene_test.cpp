@@ -23,7 +23,7 @@ const char* const extensions[] = {"osgt", "osgb", "osgx"};
 
 osg::ref_ptr<TerrainLighting> readScene(const std::string& path)
 {
-    usePluginsOfThisBuild();
+    useOwnPlugins();
     osg::ref_ptr<osg::Node> node = osgDB::readRefNodeFile(path);
     return dynamic_cast<TerrainLighting*>(node.get());
 }
