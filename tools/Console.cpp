@@ -3,6 +3,7 @@
 #include <cpl_conv.h>
 #include <gdal_priv.h>
 
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <iostream>
@@ -12,7 +13,11 @@ namespace osgTerrainLight::tool
 namespace
 {
 
-constexpr int signals[] = {SIGINT, SIGTERM};
+// All that end a program and can be caught, but for those of its own faults. SIGPIPE and SIGXFSZ
+// come from writing itself, which then fails as on a full disk.
+constexpr std::array<int, DeferredSignals::count> signals = {SIGHUP,  SIGINT,    SIGQUIT, SIGTERM,
+                                                             SIGPIPE, SIGALRM,   SIGUSR1, SIGUSR2,
+                                                             SIGXCPU, SIGVTALRM, SIGPROF, SIGXFSZ};
 volatile std::sig_atomic_t waitingSignal = 0;
 
 void keepSignal(int signal)
@@ -55,7 +60,7 @@ void Progress::reach(double fraction)
 
 DeferredSignals::DeferredSignals()
 {
-    for (std::size_t i = 0; i < 2; ++i)
+    for (std::size_t i = 0; i < signals.size(); ++i)
     {
         _previous[i] = std::signal(signals[i], keepSignal);
         if (_previous[i] == SIG_IGN) // as nohup does, and shells for what runs in the background
@@ -65,7 +70,7 @@ DeferredSignals::DeferredSignals()
 
 DeferredSignals::~DeferredSignals()
 {
-    for (std::size_t i = 0; i < 2; ++i)
+    for (std::size_t i = 0; i < signals.size(); ++i)
         std::signal(signals[i], _previous[i]);
     if (waitingSignal != 0)
         std::raise(waitingSignal);

@@ -4,6 +4,7 @@
 
 #include "core/Result.h"
 
+#include <cstddef>
 #include <string>
 
 /// What the tool says to people: messages, progress, and signals that wait for a file.
@@ -32,10 +33,13 @@ private:
     double _reached = -1.0;
 };
 
-/// While one lives, SIGINT and SIGTERM wait: a file being written is removed first. Then they act.
+/// While one lives, every signal that would end the program waits: a file being written is removed
+/// first. Then it acts.
 class DeferredSignals
 {
 public:
+    static constexpr std::size_t count = 12;
+
     DeferredSignals();
     ~DeferredSignals();
     DeferredSignals(const DeferredSignals&) = delete;
@@ -44,7 +48,7 @@ public:
     static Status check();
 
 private:
-    void (*_previous[2])(int);
+    void (*_previous[count])(int);
 };
 
 } // namespace osgTerrainLight::tool

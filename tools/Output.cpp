@@ -1,6 +1,8 @@
 #include "Output.h"
 
 #include "Console.h"
+#include "io/GdalErrors.h"
+#include "io/InputFiles.h"
 
 #include <CLI/CLI.hpp>
 #include <cpl_conv.h>
@@ -8,7 +10,9 @@
 #include <cpl_vsi.h>
 #include <gdal_priv.h>
 
-#include <filesystem>
+#include <ogr_spatialref.h>
+
+#include <cstdint>
 
 namespace osgTerrainLight::tool
 {
@@ -42,8 +46,7 @@ Status checkOutput(const OutputOptions& output, int bands)
     const std::string parent = CPLGetPath(output.path.c_str());
     const std::string name = CPLGetFilename(output.path.c_str());
     const std::string folder = CPLFormFilename(
-        parent.c_str(), CPLSPrintf(".%s.probe-%d", name.c_str(), int(CPLGetCurrentProcessID())),
-        nullptr);
+        parent.c_str(), CPLSPrintf(".probe-%d", int(CPLGetCurrentProcessID())), nullptr);
     const std::string path = folder + "/" + name;
     VSIMkdir(folder.c_str(), 0755);
     const std::vector<RasterBand> floats(static_cast<std::size_t>(bands),
@@ -64,11 +67,74 @@ Status checkOutput(const OutputOptions& output, int bands)
     return Error{written.error().code, message};
 }
 
-void refuseSameFile(const std::string& input, const std::string& output)
+namespace
 {
-    std::error_code ignored;
-    if (input == output || std::filesystem::equivalent(input, output, ignored))
-        throw CLI::ValidationError("OUTPUT", output + " is the input file: needs another name");
+/// Names of the files that the driver makes of a pixel with a place, as they would be called.
+std::vector<std::string> filesBeside(const OutputOptions& output)
+{
+    const std::string parent = CPLGetPath(output.path.c_str());
+    const std::string name = CPLGetFilename(output.path.c_str());
+    std::vector<std::string> files = {output.path};
+    for (const char* sidecar : {".aux.xml", ".ovr", ".msk"})
+        files.push_back(output.path + sidecar);
+    if (isExr(output))
+        return files;
+    RasterFrame pixel;
+    pixel.width = pixel.height = 1;
+    pixel.hasGeoTransform = true;
+    pixel.crs = SRS_WKT_WGS84_LAT_LONG;
+    const std::string folder = CPLSPrintf("/vsimem/terrainlight-%d", int(CPLGetCurrentProcessID()));
+    VSIMkdir(folder.c_str(), 0755);
+    // What fails here is told by checkOutput().
+    const bool isPicture = !writeRaster(folder + "/" + name, pixel, {{{}, Raster<float>(1, 1)}},
+                                        writeOptions(output, {}));
+    if (isPicture)
+        static_cast<void>(writeRgb8(folder + "/" + name, pixel, std::vector<std::uint8_t>(3),
+                                    writeOptions(output, {})));
+    const CPLStringList made(VSIReadDir(folder.c_str()));
+    for (int i = 0; i < made.size(); ++i)
+        files.push_back(parent.empty() ? made[i]
+                                       : CPLFormFilename(parent.c_str(), made[i], nullptr));
+    VSIRmdirRecursive(folder.c_str());
+    return files;
+}
+} // namespace
+
+void refuseInputs(const std::vector<std::string>& inputs, const OutputOptions& output)
+{
+    std::vector<std::string> files;
+    for (const std::string& input : inputs)
+    {
+        if (input == output.path && !input.empty())
+            throw CLI::ValidationError("OUTPUT",
+                                       output.path + " is the input file: needs another name");
+        const std::vector<std::string> more = filesOf(input);
+        files.insert(files.end(), more.begin(), more.end());
+    }
+    for (const std::string& file : filesBeside(output))
+    {
+        const std::string same = sameFile(files, file);
+        if (same.empty())
+            continue;
+        const bool isInput = file == output.path && same == inputs.front();
+        throw CLI::ValidationError(
+            "OUTPUT", file +
+                          (isInput               ? " is the input file"
+                           : file == output.path ? " is " + same + ", which an input is made of"
+                                                 : ", written beside " + output.path + ", is " +
+                                                       same + ", which an input is made of") +
+                          ": needs another name");
+    }
+}
+
+std::string projComplaint()
+{
+    const GdalErrors errors;
+    OGRSpatialReference crs;
+    if (crs.importFromEPSG(4326) == OGRERR_NONE)
+        return {};
+    return "PROJ's data (proj.db) cannot be read: " + errors.first() +
+           "; needed PROJ_LIB and PROJ_DATA to be unset, or to name the folder of PROJ's own data";
 }
 
 RasterWriteOptions writeOptions(const OutputOptions& output, const Metadata& metadata)

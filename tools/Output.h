@@ -26,8 +26,14 @@ bool isExr(const OutputOptions& output);
 /// option, a driver without floats. bands: of floats; 0 for a picture or EXR file.
 Status checkOutput(const OutputOptions& output, int bands);
 
-/// A mistake in the command line where both are one file.
-void refuseSameFile(const std::string& input, const std::string& output);
+/// A mistake in the command line where the output, or a file beside it that it would replace
+/// (.aux.xml, .ovr, .msk, and what its driver writes: headers, world files, .prj), is a file that
+/// one of the inputs is made of. Empty inputs are none.
+void refuseInputs(const std::vector<std::string>& inputs, const OutputOptions& output);
+
+/// Empty, or why PROJ knows no CRS: its data are missing or of another version, as where PROJ_LIB
+/// names another program's folder.
+std::string projComplaint();
 
 /// The writer's options for an output.
 RasterWriteOptions writeOptions(const OutputOptions& output, const Metadata& metadata);

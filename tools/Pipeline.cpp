@@ -268,8 +268,14 @@ Status readTile(const RasterOptions& options, int bands, LitTile& lit, std::size
                 Progress& progress)
 {
     const std::string& path = options.input;
-    refuseSameFile(path, options.output.path);
+    refuseInputs({path, options.albedoFile}, options.output);
     Result<DemInfo> info = describeDem(path, options.read);
+    if (const std::string broken = projComplaint(); !broken.empty())
+    {
+        if (!info || !info->frame.crs.empty())
+            return Error{ErrorCode::Failed, path + ": " + broken};
+        warn(path + ": a CRS that it may have is not known: " + broken);
+    }
     if (!info)
         return info.error();
     if (Status writable = checkOutput(options.output, bands); !writable)

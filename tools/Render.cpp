@@ -227,7 +227,7 @@ Status run(const CLI::App& app, Options options)
     if (Status read = readSky(app, options.sky, options.skyFile, true); !read)
         return read;
     checkProblems(options.settings, options.sky, SettingsUse::Lighting, "SETTINGS");
-    refuseSameFile(options.scene, options.output.path);
+    refuseInputs({options.scene, options.skyFile}, options.output);
     if (Status writable = checkOutput(options.output, 0); !writable)
         return writable;
     const Result<Gpu> gpu = openGpu(options.width, options.height);

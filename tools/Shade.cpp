@@ -158,6 +158,7 @@ Status run(const CLI::App& app, Options options)
                   options.maxError ? "--max-error"
                   : chosen         ? "--max-ms"
                                    : "SETTINGS");
+    refuseInputs({options.skyFile}, options.output);
     // A sun that is off still makes a clear sky.
     const bool clear = options.sky.skyEnabled && options.sky.skyModel == SkyModel::Clear;
     if (!options.sky.sunEnabled && !clear && options.sun.time)

@@ -1,6 +1,7 @@
 #include "io/RasterWriter.h"
 
 #include "io/GdalErrors.h"
+#include "io/WrittenFile.h"
 
 #include <cpl_conv.h>
 #include <cpl_string.h>
@@ -10,9 +11,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <cmath>
 #include <optional>
 #include <set>
+#include <system_error>
 
 namespace osgTerrainLight
 {
@@ -47,7 +50,12 @@ public:
     Status create(bool overwrite)
     {
         VSIStatBufL stat;
-        if (VSIStatL(_target.c_str(), &stat) == 0)
+        errno = 0;
+        const bool there = VSIStatL(_target.c_str(), &stat) == 0;
+        if (!there && errno == ENAMETOOLONG)
+            return Error{ErrorCode::Failed,
+                         _target + ": " + std::generic_category().message(errno)};
+        if (there)
         {
             if (VSI_ISDIR(stat.st_mode))
                 return Error{ErrorCode::Failed,
@@ -63,13 +71,19 @@ public:
         static std::atomic<unsigned> counter{0};
         _parent = CPLGetPath(_target.c_str());
         _name = CPLGetFilename(_target.c_str());
-        const std::string folder =
-            beside("." + _name + ".partial-" + std::to_string(CPLGetCurrentProcessID()) + "-" +
-                   std::to_string(counter++));
+        // Not by the target's name, which may be as long as names can be.
+        const std::string folder = beside(".partial-" + std::to_string(CPLGetCurrentProcessID()) +
+                                          "-" + std::to_string(counter++));
+        errno = 0;
         if (_name.empty() || VSIMkdir(folder.c_str(), 0755) != 0)
+        {
+            const std::string reason =
+                errno != 0 ? ": " + std::generic_category().message(errno) : "";
             return Error{ErrorCode::Failed, _target + ": cannot write into " +
                                                 (_parent.empty() ? "this folder" : _parent) +
+                                                reason +
                                                 "; needed an existing folder with leave to write"};
+        }
         _folder = folder;
         return Nothing{};
     }
@@ -182,6 +196,8 @@ Status describe(const std::string& path, GDALDataset& dataset, const RasterFrame
         if (crs.importFromWkt(frame.crs.c_str()) != OGRERR_NONE)
             return Error{ErrorCode::Invalid, path + ": the CRS given is not WKT"};
         crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+        if (frame.coordinateEpoch > 0.0)
+            crs.SetCoordinateEpoch(frame.coordinateEpoch);
         if (dataset.SetSpatialRef(&crs) != CE_None)
             return Error{ErrorCode::Failed, path + ": cannot store the CRS: " + errors.first()};
     }
@@ -240,6 +256,7 @@ struct OutputFile
             return Error{ErrorCode::Invalid, path + ": " + errors.first()};
         if (Status made = file.create(options.overwrite); !made)
             return made;
+        written.emplace(frame.width, frame.height, bandCount);
 
         copies = copyOnly || !driver->GetMetadataItem(GDAL_DCAP_CREATE);
         GDALDriver* creator = driver;
@@ -297,12 +314,17 @@ struct OutputFile
         dataset.reset();
         if (!scratch.empty())
             VSIUnlink(scratch.c_str());
-        // Closing writes what is still cached, and reports by messages only.
-        if (errors.hasFailure())
-            return failed("cannot be completed", errors);
+        // Closing writes what is still cached, and reports by messages only, of which some are no
+        // failure: what can be read again counts.
         if (!exists(file.path()))
             return Error{ErrorCode::Failed, path + ": GDAL's driver \"" + driver->GetDescription() +
-                                                "\" wrote no file of that name"};
+                                                "\" wrote no file of that name" +
+                                                (errors.hasFailure() ? ": " + errors.first() : "")};
+        const bool exact = WrittenFile::isExact(*driver, options.creationOptions);
+        if (const Status same = written->compare(file.path(), *driver, exact); !same)
+            return Error{ErrorCode::Failed,
+                         path + ": cannot be completed: " +
+                             (errors.hasFailure() ? errors.first() : same.error().message)};
         return file.commit();
     }
 
@@ -310,6 +332,7 @@ struct OutputFile
     RasterFrame frame;
     RasterWriteOptions options;
     GDALDriver* driver = nullptr;
+    std::optional<WrittenFile> written; ///< what went into it
     bool copies = false;
     std::string scratch;
     // Closed before its folder is removed: destruction runs upwards.
@@ -323,7 +346,7 @@ struct RasterWriter::State : OutputFile
 {
     using OutputFile::OutputFile;
 
-    std::set<int> written;
+    std::set<int> done;
     bool broken = false;
 };
 
@@ -363,7 +386,7 @@ Status RasterWriter::writeBand(int band, const Raster<float>& values)
                                             "nothing can be written after a failure or the end"};
     State& state = *_state;
     const RasterFrame& frame = state.frame;
-    if (band < 1 || band > state.dataset->GetRasterCount() || state.written.count(band) != 0)
+    if (band < 1 || band > state.dataset->GetRasterCount() || state.done.count(band) != 0)
         return Error{ErrorCode::Invalid, state.path + ": band " + std::to_string(band) + " of " +
                                              std::to_string(state.dataset->GetRasterCount()) +
                                              " is written already or does not exist"};
@@ -385,6 +408,8 @@ Status RasterWriter::writeBand(int band, const Raster<float>& values)
             {
                 const float value = values.at(frame.fileColumn(column), frame.fileRow(row));
                 strip.push_back(std::isnan(value) ? noData : value);
+                state.written->add(band, row, static_cast<double>(strip.back()),
+                                   strip.back() == noData);
             }
         if (target.RasterIO(GF_Write, 0, first, frame.width, rows, strip.data(), frame.width, rows,
                             GDT_Float32, 0, 0, nullptr) != CE_None)
@@ -399,7 +424,7 @@ Status RasterWriter::writeBand(int band, const Raster<float>& values)
         state.broken = true;
         return state.failed("cannot write band " + std::to_string(band), errors);
     }
-    state.written.insert(band);
+    state.done.insert(band);
     return Nothing{};
 }
 
@@ -410,9 +435,9 @@ Status RasterWriter::finish()
                                             "nothing can be written after a failure or the end"};
     const std::unique_ptr<State> state = std::move(_state);
     const int bands = state->dataset->GetRasterCount();
-    if (static_cast<int>(state->written.size()) != bands)
+    if (static_cast<int>(state->done.size()) != bands)
         return Error{ErrorCode::Invalid, state->path + ": only " +
-                                             std::to_string(state->written.size()) + " of " +
+                                             std::to_string(state->done.size()) + " of " +
                                              std::to_string(bands) + " bands were written"};
     return state->finish();
 }
@@ -459,7 +484,10 @@ Status writeRgb8(const std::string& path, const RasterFrame& frame,
             const std::size_t first =
                 static_cast<std::size_t>(output.frame.fileRow(row)) * line.size();
             for (std::size_t i = 0; i < line.size(); ++i)
+            {
                 line[i] = pixels[(first + i) * channels + channel];
+                output.written->add(static_cast<int>(channel) + 1, row, line[i], false);
+            }
             if (band.RasterIO(GF_Write, 0, row, frame.width, 1, line.data(), frame.width, 1,
                               GDT_Byte, 0, 0, nullptr) != CE_None)
                 return output.failed("cannot be written", errors);

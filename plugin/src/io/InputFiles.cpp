@@ -1,0 +1,144 @@
+#include "io/InputFiles.h"
+
+#include "io/EarthFile.h"
+#include "io/GdalErrors.h"
+
+#include <cpl_conv.h>
+#include <cpl_string.h>
+#include <gdal_priv.h>
+
+#include <filesystem>
+#include <set>
+#include <system_error>
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+namespace fs = std::filesystem;
+
+bool isFile(const std::string& path)
+{
+    std::error_code failure;
+    return !path.empty() && fs::is_regular_file(path, failure);
+}
+
+/// Collects files, each once.
+class Collector
+{
+public:
+    void add(const std::string& input)
+    {
+        if (input.empty() || !_seen.insert(input).second)
+            return;
+        addNamed(input);
+        const std::string extension = CPLGetExtension(input.c_str());
+        if (EQUAL(extension.c_str(), "earth"))
+            addMap(input);
+        else if (!isFile(input) || !isPlain(input))
+            addSources(input);
+    }
+
+    std::vector<std::string> files;
+
+private:
+    void addFile(const std::string& path)
+    {
+        for (const char* sidecar : {"", ".aux.xml", ".ovr", ".msk"})
+            if (isFile(path + sidecar) && _files.insert(path + sidecar).second)
+                files.push_back(path + sidecar);
+    }
+
+    /// The file itself, or the files that stand in a dataset's name: between colons, quotes and
+    /// what a URL has, and of a path into an archive the archive.
+    void addNamed(const std::string& name)
+    {
+        if (isFile(name))
+            return addFile(name);
+        const CPLStringList parts(CSLTokenizeString2(name.c_str(), ":\"?&,|", 0));
+        for (int i = 0; i < parts.size(); ++i)
+        {
+            std::string path = parts[i];
+            if (path.rfind("//", 0) == 0) // vrt://a.tif
+                path.erase(0, 2);
+            while (path.rfind("/vsi", 0) == 0 && path.find('/', 1) != std::string::npos)
+                path.erase(0, path.find('/', 1) + 1);
+            for (fs::path at = path; !at.empty() && at != at.parent_path(); at = at.parent_path())
+            {
+                addFile(at.string());
+                addFile("/" + at.string()); // /vsizip//folder/a.zip
+            }
+        }
+    }
+
+    /// Pictures that GDAL does not open, or not as we do.
+    static bool isPlain(const std::string& path)
+    {
+        const std::string extension = CPLGetExtension(path.c_str());
+        for (const char* plain : {"exr", "pic", "osgt", "osgb", "osgx", "ive"})
+            if (EQUAL(extension.c_str(), plain))
+                return true;
+        return false;
+    }
+
+    void addSources(const std::string& name)
+    {
+        const GdalErrors quiet;
+        const GDALDatasetUniquePtr dataset(GDALDataset::Open(name.c_str(), GDAL_OF_RASTER));
+        if (!dataset)
+            return;
+        const bool isVirtual =
+            dataset->GetDriver() && EQUAL(dataset->GetDriver()->GetDescription(), "VRT");
+        const CPLStringList list(dataset->GetFileList());
+        for (int i = 0; i < list.size(); ++i)
+            if (isVirtual)
+                add(list[i]);
+            else
+                addNamed(list[i]);
+    }
+
+    void addMap(const std::string& path)
+    {
+        const Result<EarthMap> map = readEarthFile(path);
+        if (!map)
+            return;
+        const std::string folder = CPLGetPath(path.c_str());
+        const auto addFrom = [&](const std::string& url)
+        {
+            add(url);
+            if (!folder.empty())
+                add(CPLFormFilename(folder.c_str(), url.c_str(), nullptr));
+        };
+        for (const auto* layers : {&map->elevations, &map->images})
+            for (const EarthLayer& layer : *layers)
+                addFrom(layer.url);
+        if (!map->light.skyFile.empty())
+            addFrom(map->light.skyFile);
+    }
+
+    std::set<std::string> _seen, _files;
+};
+} // namespace
+
+std::vector<std::string> filesOf(const std::string& input)
+{
+    Collector collector;
+    collector.add(input);
+    const std::string suffix = ".terrainlight"; // how a scene is named for our plugin
+    if (input.size() > suffix.size() &&
+        input.compare(input.size() - suffix.size(), suffix.size(), suffix) == 0)
+        collector.add(input.substr(0, input.size() - suffix.size()));
+    return collector.files;
+}
+
+std::string sameFile(const std::vector<std::string>& inputs, const std::string& output)
+{
+    std::error_code failure;
+    for (const std::string& input : inputs)
+        if (fs::equivalent(input, output, failure))
+            return input;
+    return {};
+}
+
+} // namespace osgTerrainLight
