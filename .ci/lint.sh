@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Format, file names, the dialect of shaders/lib, shell scripts, links between documents. Usage:
-# lint.sh [ROOT], or lint.sh --self-test, which plants a fault per rule and must find each.
+# Format, columns of shaders, file names, the dialect of shaders/lib, shell scripts, links between
+# documents. Usage: lint.sh [ROOT], or lint.sh --self-test, which plants a fault per rule and must
+# find each.
 set -euo pipefail
 self=$(realpath "${BASH_SOURCE[0]}")
 
@@ -41,6 +42,7 @@ struct Ray { real a; };
 Ray r() { return Ray(real(1)); }
 real a() { return real[2](real(1), real(2))[0]; }
 GLSL
+  printf '//%099d\n' 0 >>"$root/shaders/lib/BadName.glsl"
   printf 'int  main( ){}\n' >"$root/plugin/src/core/bad_format.cpp"
   printf 'int camel;\n' >"$root/tests/core/Camel_test.cpp"
   printf '#!/usr/bin/env bash\nif true\n' >"$root/tests/broken.sh"
@@ -52,7 +54,7 @@ GLSL
   local status=0 fault
   for fault in 'lib/BadName.glsl: .*snake_case' BadName.glsl:{1:.*include,2:.*define,3:.*uniform} \
     BadName.glsl:{4:.*layout,4:.*buffer,5:.*shared,6:.*float,7:.*\'out\',7:.*inout,7:.*barrier} \
-    BadName.glsl:{8:.*dFdx,8:.*double,8:.*gl_FragCoord,8:.*\\.xy,8:.*\\.rgb,10:.*Ray,11:.*array} \
+    BadName.glsl:{8:.*dFdx,8:.*double,8:.*gl_FragCoord,8:.*\\.xy,8:.*\\.rgb,10:.*Ray,11:.*array,12:.*101\ columns} \
     'bad_format.cpp: .*PascalCase' 'bad_format.cpp:1:.*clang-format' \
     'bad.md:1: .*no.md' 'bad.md:2: .*no.png' 'bad.md:3: .*good.md#none' "bad.md:3: '#none" \
     'Camel_test.cpp: .*snake_case' 'broken.sh: .*run bit' 'broken.sh: line [0-9]*: syntax error'; do
@@ -140,6 +142,12 @@ for file, text in library.items():
         for pattern, reason in rules:
             for match in re.finditer(pattern, line):
                 complain(f"{file}:{number}", f"'{match[0].strip()}': {reason}")
+
+for file in files:
+    if file.parts[0] == "shaders" and file.suffix in (".glsl", ".comp", ".vert", ".frag"):
+        for number, line in enumerate(file.read_text().split("\n"), 1):
+            if len(line) > 100:
+                complain(f"{file}:{number}", f"{len(line)} columns, at most 100")
 
 for file in files:
     if file.parts[0] in ("plugin", "tools", "samples") and file.suffix in (".h", ".cpp"):

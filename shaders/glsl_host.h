@@ -41,6 +41,7 @@ struct Glsl
     using vec4 = glm::vec<4, Real>;
     using ivec2 = glm::ivec2;
     using ivec3 = glm::ivec3;
+    using ivec4 = glm::ivec4;
     using sampler2D = const Raster<Real>&;
 
     static vec4 texelFetch(sampler2D raster, ivec2 post, int)
@@ -58,6 +59,7 @@ struct Glsl
     static Real floor(Real x) { return std::floor(x); }
     static Real sin(Real x) { return std::sin(x); }
     static Real cos(Real x) { return std::cos(x); }
+    static Real tan(Real x) { return std::tan(x); }
     static Real atan(Real x) { return std::atan(x); }
     static Real exp(Real x) { return std::exp(x); }
     static Real min(Real a, Real b) { return b < a ? b : a; }

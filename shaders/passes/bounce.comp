@@ -1,9 +1,9 @@
 // One bounce of diffuse light: what a post receives from the terrain it sees (MATHS, "One slice,
-// exactly"; casting set of Nowrouzezahrai and Snyder 2009, section 3). Sub-sampled it is two passes. FAR:
-// at one post of every block, what samples beyond the first `exact` send, as a mean per azimuth. NEAR: at
-// every post, its own cells and the first samples; the rest of each slice, up to the post's own horizon,
-// sends the mean of the blocks about it. So only radiance is interpolated: planes, normals and horizons are
-// each post's own, and no light is made.
+// exactly"; casting set of Nowrouzezahrai and Snyder 2009, section 3). Sub-sampled it is two
+// passes. FAR: at one post of every block, what samples beyond the first `exact` send, as a mean
+// per azimuth. NEAR: at every post, its own cells and the first samples; the rest of each slice, up
+// to the post's own horizon, sends the mean of the blocks about it. So only radiance is
+// interpolated: planes, normals and horizons are each post's own, and no light is made.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D heights;      // R32F [m], framed by `frame` void posts, row 0 south
@@ -15,8 +15,8 @@ uniform sampler2D heightPyramid;   // RG32F: height times weight, weight
 uniform sampler2D radiancePyramid; // RGBA16F: radiance times weight, weight
 uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k/m from east
 #ifdef FAR
-// A texel per block, a layer per azimuth: radiance times weight, weight; the weight is what the slice's part
-// gives the block's post of a radiance of 1, times azimuths.
+// A texel per block, a layer per azimuth: radiance times weight, weight; the weight is what the
+// slice's part gives the block's post of a radiance of 1, times azimuths.
 layout(rgba16f, binding = 0) writeonly uniform image2DArray farRadiance;
 #else
 layout(rgba16f, binding = 0) writeonly uniform image2D light; // irradiance / pi of this bounce
@@ -39,8 +39,8 @@ uniform float northSpacing; // [m]
 layout(std140, binding = 0) uniform Rays
 {
     vec4 directions[256]; // drift along the minor axis per step, look, 1 where north, -
-    // Along a ray: distance [steps] and level of a sample's height, the same of the radiance between it
-    // and the sample before. The first nearCount are whole steps and read posts.
+    // Along a ray: distance [steps] and level of a sample's height, the same of the radiance
+    // between it and the sample before. The first nearCount are whole steps and read posts.
     vec4 samples[128];
 };
 uniform int nearCount;
@@ -54,8 +54,8 @@ uniform ivec4 radianceLevels[16];
 uniform bool hasSky;
 uniform vec3 skyRadiance; // SKY_TABLE: 1
 
-// Direct irradiance / pi of the corners of the four cells that meet at a post, south-west, south-east,
-// north-west, north-east: each with that cell's normal there. Beside a void: 0.
+// Direct irradiance / pi of the corners of the four cells that meet at a post, south-west,
+// south-east, north-west, north-east: each with that cell's normal there. Beside a void: 0.
 struct CornerLight
 {
     vec3 light[4];
@@ -112,7 +112,8 @@ vec3 sentAt(vec2 place, Length east)
     for (int i = 0; i < 4; ++i)
         corners[i] = postHeight(heights, cell + ivec2(i % 2, i / 2) + frame);
     vec3 normal = cellNormal(corners, inside.x, inside.y, east, northSpacing);
-    float share = discOnCell(sunAboveCorners(cell), inside.x, inside.y, sunRadius, normal, sunDirection);
+    float share =
+        discOnCell(sunAboveCorners(cell), inside.x, inside.y, sunRadius, normal, sunDirection);
     ivec2 nearest = min(cell + ivec2(inside + 0.5), textureSize(albedo, 0) - 1);
     vec3 more = texelFetch(albedo, nearest, 0).rgb * sunIrradiance * (share - sent.a);
     return sent.a > 0.0 ? max(sent.rgb + more, 0.0) : vec3(0.0);
@@ -120,194 +121,221 @@ vec3 sentAt(vec2 place, Length east)
 #endif
 #endif
 
-void main()
+// The post that light is gathered at.
+struct Receiver
 {
-    ivec2 id = ivec2(gl_GlobalInvocationID.xy);
-#ifdef FAR
-    ivec2 post = id * stride;
+    ivec2 post;
+    Length here;
+    Length east; // [m] between columns
+    vec3 normal;
+};
+
+// A slice of azimuth from a receiver.
+struct Slice
+{
+    GridRay ray;
+    Length stepLength;
+    Slope cap; // slope of the horizon
+    float width;
+};
+
+vec3 sentByCell(vec2 place)
+{
+    return texelFetch(radiance, clamp(ivec2(floor(place)), ivec2(0), size - 2), 0).rgb;
+}
+
+// Sample `i` < nearCount, which reads posts.
+SliceGather addNear(SliceGather gathered, Receiver receiver, Slice slice, int i)
+{
+    Length height = heightAtStep(heights, receiver.post, slice.ray, int(samples[i].x), size, frame);
+    vec2 between = vec2(receiver.post) + samples[i].z * slice.ray.step;
+#ifdef SUN
+    vec3 sent = sentAt(between, receiver.east);
 #else
-    ivec2 post = id;
+    vec3 sent = sentByCell(between);
 #endif
-    if (post.x >= size.x || post.y >= size.y)
-        return;
-#ifdef FAR
-    post = postOfBlock(heights, id, stride, size, frame);
+    Slope slope = (height - receiver.here) / (samples[i].x * slice.stepLength);
+    return addSegment(gathered, slope, sent, slice.cap, slice.width);
+}
+
+#ifndef NEAR
+// Sample `i` >= nearCount, which reads the pyramids.
+SliceGather addFar(SliceGather gathered, Receiver receiver, Slice slice, int i)
+{
+    vec2 place = vec2(receiver.post) + samples[i].x * slice.ray.step;
+    int number = int(samples[i].y);
+    vec2 texel = pyramidTexel(heightLevels[number], place, number);
+    vec2 scale = 1.0 / vec2(textureSize(heightPyramid, 0));
+    Length height = pyramidHeight(textureLod(heightPyramid, texel * scale, 0.0).xy);
+    number = int(samples[i].w);
+    texel = cellPyramidTexel(radianceLevels[number],
+                             vec2(receiver.post) + samples[i].z * slice.ray.step, number);
+    scale = 1.0 / vec2(textureSize(radiancePyramid, 0));
+    vec4 sent = textureLod(radiancePyramid, texel * scale, 0.0);
+    Slope slope = (height - receiver.here) / (samples[i].x * slice.stepLength);
+    slope = onSurface(place, size, 0.0) ? slope : NO_HORIZON;
+    return addSegment(gathered, slope, sent.rgb / max(sent.a, 1.0e-3), slice.cap, slice.width);
+}
 #endif
-    Length here = postHeight(heights, post + frame);
-    if (isVoid(here))
-    {
-#ifdef FAR
-        for (int k = 0; k < azimuths; ++k)
-            imageStore(farRadiance, ivec3(id, k), vec4(0.0));
-#else
-        imageStore(light, post, vec4(0.0));
-#endif
-        return;
-    }
-    Length east = texelFetch(eastSpacings, ivec2(0, post.y), 0).x;
-    vec3 normal = postNormal(heights, post + frame, east, northSpacing);
-#ifndef FAR
-    vec3 colour = texelFetch(albedo, min(post, textureSize(albedo, 0) - 1), 0).rgb;
-#ifdef DIRECT
-    CornerLight corners = lightOfCorners(post, here, east, texelFetch(direct, post, 0).a);
-#else
-    vec3 bounced = texelFetch(lastLight, post, 0).rgb;
-#endif
-#endif
+
 #ifdef NEAR
-    ivec2 blocks[4];
+// The blocks about a post, and how much each counts there.
+struct Blocks
+{
+    ivec2 at[4];
     float weights[4];
+};
+
+Blocks blocksAbout(Receiver receiver)
+{
+    Blocks blocks;
     for (int i = 0; i < 4; ++i)
     {
         ivec2 corner = ivec2(i % 2, i / 2);
-        blocks[i] = min(post / stride + corner, (size - 1) / stride);
-        ivec2 gathered = postOfBlock(heights, blocks[i], stride, size, frame);
+        blocks.at[i] = min(receiver.post / stride + corner, (size - 1) / stride);
+        ivec2 gathered = postOfBlock(heights, blocks.at[i], stride, size, frame);
         Length height = postHeight(heights, gathered + frame);
-        vec3 across = vec3(vec2(gathered - post) * vec2(east, northSpacing),
-                           isVoid(height) ? 0.0 : height - here);
-        vec2 share = vec2(post % stride) / float(stride);
-        weights[i] = blockWeight(corner, share, across, normal, max(east, northSpacing));
+        vec3 across = vec3(vec2(gathered - receiver.post) * vec2(receiver.east, northSpacing),
+                           isVoid(height) ? 0.0 : height - receiver.here);
+        vec2 share = vec2(receiver.post % stride) / float(stride);
+        blocks.weights[i] = blockWeight(corner, share, across, receiver.normal,
+                                        max(receiver.east, northSpacing));
     }
+    return blocks;
+}
+
+// What they say that terrain beyond the near samples sends; `otherwise` where none knows.
+vec3 sentBeyond(Blocks blocks, int k, vec3 otherwise)
+{
+    vec4 beyond = vec4(0.0);
+    for (int i = 0; i < 4; ++i)
+        beyond += blocks.weights[i] * texelFetch(farRadiance, ivec3(blocks.at[i], k), 0);
+    return beyond.a > 1.0e-4 ? beyond.rgb / beyond.a : otherwise;
+}
 #endif
-    vec2 heightScale = 1.0 / vec2(textureSize(heightPyramid, 0));
-    vec2 radianceScale = 1.0 / vec2(textureSize(radiancePyramid, 0));
-    float width = 2.0 * PI / float(azimuths);
+
+Slice sliceOf(Receiver receiver, int k)
+{
+    vec4 direction = directions[k];
+    Slice slice;
+    slice.ray = gridRay(direction.x, int(direction.y), direction.z != 0.0);
+    slice.stepLength = texelFetch(stepLengths, ivec2(k, receiver.post.y), 0).x;
+    slice.cap = slopeOfCode(texelFetch(horizon, ivec3(receiver.post, k), 0).x);
+    slice.width = 2.0 * PI / float(azimuths);
+    return slice;
+}
+
+// Up to the cell that a post stands on, which is much of what the post sees.
+SliceGather startSlice(Receiver receiver, Slice slice, vec3 own, float cosine, float sine)
+{
+    SliceGather gathered =
+        startGather(planeSlope(receiver.normal, cosine, sine), own, slice.width);
+    Slope slope = ownCellSlope(heights, receiver.post + frame, receiver.here, slice.ray);
+    return addSegment(gathered, slope / slice.stepLength, own, slice.cap, slice.width);
+}
+
+Receiver receiverAt(ivec2 post)
+{
+    Receiver receiver;
+    receiver.post = post;
+    receiver.here = postHeight(heights, post + frame);
+    receiver.east = texelFetch(eastSpacings, ivec2(0, post.y), 0).x;
+    receiver.normal = postNormal(heights, post + frame, receiver.east, northSpacing);
+    return receiver;
+}
+
+#ifdef FAR
+void main()
+{
+    ivec2 block = ivec2(gl_GlobalInvocationID.xy);
+    if (block.x * stride >= size.x || block.y * stride >= size.y)
+        return;
+    Receiver receiver = receiverAt(postOfBlock(heights, block, stride, size, frame));
+    vec3 normal = receiver.normal;
+    for (int k = 0; k < azimuths; ++k)
+    {
+        if (isVoid(receiver.here))
+        {
+            imageStore(farRadiance, ivec3(block, k), vec4(0.0));
+            continue;
+        }
+        Slice slice = sliceOf(receiver, k);
+        float cosine = cos(slice.width * float(k));
+        float sine = sin(slice.width * float(k));
+        // The near part is not counted, but what is sent up to the crest if no sample is seen.
+        vec3 own = sentByCell(vec2(receiver.post + min(slice.ray.major + slice.ray.side, 0)));
+        SliceGather gathered = startSlice(receiver, slice, own, cosine, sine);
+        for (int i = 0; i < exact; ++i)
+            gathered = addNear(gathered, receiver, slice, i);
+        vec2 start = gathered.moments;
+        gathered = countFromHere(gathered);
+        for (int i = exact; i < nearCount; ++i)
+            gathered = addNear(gathered, receiver, slice, i);
+        for (int i = nearCount; i < sampleCount; ++i)
+            gathered = addFar(gathered, receiver, slice, i);
+        gathered = closeGather(gathered, slice.cap, slice.width);
+        // The moments of all of it. Rounding may leave them a little below 0.
+        float nh = normal.x * cosine + normal.y * sine;
+        vec2 all = start - gathered.moments;
+        float weight = max(normal.z * all.x + nh * all.y, 0.0);
+        vec3 sent = max(normal.z * gathered.upward + nh * gathered.outward, vec3(0.0));
+        imageStore(farRadiance, ivec3(block, k),
+                   vec4(roundedToHalf(float(azimuths) * sent),
+                        roundedToHalf(vec3(float(azimuths) * weight)).x));
+    }
+}
+#else
+void main()
+{
+    ivec2 post = ivec2(gl_GlobalInvocationID.xy);
+    if (post.x >= size.x || post.y >= size.y)
+        return;
+    Receiver receiver = receiverAt(post);
+    if (isVoid(receiver.here))
+    {
+        imageStore(light, post, vec4(0.0));
+        return;
+    }
+    vec3 colour = texelFetch(albedo, min(post, textureSize(albedo, 0) - 1), 0).rgb;
+#ifdef DIRECT
+    CornerLight corners = lightOfCorners(post, receiver.here, receiver.east,
+                                         texelFetch(direct, post, 0).a);
+#else
+    vec3 bounced = texelFetch(lastLight, post, 0).rgb;
+#endif
+#ifdef NEAR
+    Blocks blocks = blocksAbout(receiver);
+#endif
     mat3 sum = mat3(0.0); // a vector per colour
     for (int k = 0; k < azimuths; ++k)
     {
-        vec4 direction = directions[k];
-        int look = int(direction.y);
-        bool north = direction.z != 0.0;
-        float drift = direction.x * float(look);
-        ivec2 major = north ? ivec2(0, look) : ivec2(look, 0);
-        ivec2 minor = north ? ivec2(1, 0) : ivec2(0, 1);
-        vec2 step = vec2(major) + drift * vec2(minor);
-        Length stepLength = texelFetch(stepLengths, ivec2(k, post.y), 0).x;
-        float code = texelFetch(horizon, ivec3(post, k), 0).x;
-        Angle elevation = elevationOfCode(max(code, 1.0 / 65535.0));
-        Slope cap = tan(clamp(elevation, -1.57, 1.57));
-        float phi = width * float(k);
-        float cosine = cos(phi);
-        float sine = sin(phi);
-        float nh = normal.x * cosine + normal.y * sine;
-        Slope highest = -nh / normal.z;
-        vec2 below = sliceMoments(highest, width);
-#ifdef FAR
-        vec2 start; // of what is counted
-#endif
-        // Much of what a post sees is the cell it stands on, from where the cell begins.
-        ivec2 side = ivec2(drift < 0.0 ? -minor : minor);
-        Length ahead = postHeight(heights, post + major + frame);
-        Length beside = postHeight(heights, post + side + frame);
-        Slope slope = (ahead - here + abs(drift) * (beside - here)) / stepLength;
-        bool seen = !isVoid(ahead) && !isVoid(beside) && slope > highest;
-        highest = seen ? max(highest, min(slope, cap)) : highest;
-        vec2 above = sliceMoments(highest, width);
-#ifdef FAR
-        // Not counted, but what is sent up to the crest if no sample is seen.
-        vec3 last = texelFetch(radiance, clamp(post + min(major + side, 0), ivec2(0), size - 2), 0).rgb;
-        vec3 upward = vec3(0.0);
-        vec3 outward = vec3(0.0);
-#else
+        Slice slice = sliceOf(receiver, k);
+        float cosine = cos(slice.width * float(k));
+        float sine = sin(slice.width * float(k));
 #ifdef DIRECT
-        ivec2 quadrant = max(major + side, ivec2(0));
-        vec3 last = colour * corners.light[quadrant.x + 2 * quadrant.y];
+        ivec2 quadrant = max(slice.ray.major + slice.ray.side, ivec2(0));
+        vec3 own = colour * corners.light[quadrant.x + 2 * quadrant.y];
 #else
-        vec3 last = colour * bounced;
+        vec3 own = colour * bounced;
 #endif
-        vec3 upward = (below.x - above.x) * last;
-        vec3 outward = (below.y - above.y) * last;
-#endif
-        below = above;
-#ifdef FAR
-        start = above;
-#endif
+        SliceGather gathered = startSlice(receiver, slice, own, cosine, sine);
 #ifdef NEAR
         for (int i = 0; i < exact; ++i)
+            gathered = addNear(gathered, receiver, slice, i);
+        gathered.last = sentBeyond(blocks, k, gathered.last);
 #else
         for (int i = 0; i < nearCount; ++i)
-#endif
-        {
-            float distance = samples[i].x;
-            float offset = drift * distance;
-            float whole = floor(offset);
-            ivec2 place = post + major * int(distance) + minor * int(whole);
-            bool inside = all(greaterThanEqual(place, ivec2(0))) && all(lessThan(place, size));
-            // Beside the last post is the frame, which is void.
-            ivec2 framed = clamp(place, ivec2(0), size - 1) + frame;
-            Length height = crossingHeight(postHeight(heights, framed),
-                                           postHeight(heights, framed + minor), offset - whole);
-            vec2 between = vec2(post) + samples[i].z * step;
-#ifdef SUN
-            vec3 sent = sentAt(between, east);
-#else
-            vec3 sent = texelFetch(radiance, clamp(ivec2(floor(between)), ivec2(0), size - 2), 0).rgb;
-#endif
-            slope = (height - here) / (distance * stepLength);
-            seen = inside && !isVoid(height) && slope > highest;
-            highest = seen ? max(highest, min(slope, cap)) : highest;
-            above = sliceMoments(highest, width);
-#ifdef FAR
-            if (i < exact)
-            {
-                below = above;
-                start = above;
-            }
-#endif
-            upward += (below.x - above.x) * sent;
-            outward += (below.y - above.y) * sent;
-            below = above;
-            last = seen ? sent : last;
-        }
-#ifdef NEAR
-        vec4 beyond = vec4(0.0);
-        for (int i = 0; i < 4; ++i)
-            beyond += weights[i] * texelFetch(farRadiance, ivec3(blocks[i], k), 0);
-        last = beyond.a > 1.0e-4 ? beyond.rgb / beyond.a : last;
-#else
+            gathered = addNear(gathered, receiver, slice, i);
         for (int i = nearCount; i < sampleCount; ++i)
-        {
-            vec2 place = vec2(post) + samples[i].x * step;
-            bool inside = all(greaterThanEqual(place, vec2(0.0))) &&
-                          all(lessThanEqual(place, vec2(size - 1)));
-            ivec4 level = heightLevels[int(samples[i].y)];
-            vec2 texel = clamp(place * exp2(-samples[i].y), vec2(0.0), vec2(level.zw - 1));
-            vec2 height = textureLod(heightPyramid, (vec2(level.xy) + texel + 0.5) * heightScale, 0.0).xy;
-            level = radianceLevels[int(samples[i].w)];
-            texel = clamp((vec2(post) + samples[i].z * step) * exp2(-samples[i].w), vec2(0.5),
-                          vec2(level.zw) - 0.5);
-            vec4 sent = textureLod(radiancePyramid, (vec2(level.xy) + texel) * radianceScale, 0.0);
-            sent.rgb /= max(sent.a, 1.0e-3);
-            slope = (height.x / max(height.y, 1.0e-3) - here) / (samples[i].x * stepLength);
-            seen = inside && height.y > 0.5 && slope > highest;
-            highest = seen ? max(highest, min(slope, cap)) : highest;
-            above = sliceMoments(highest, width);
-            upward += (below.x - above.x) * sent.rgb;
-            outward += (below.y - above.y) * sent.rgb;
-            below = above;
-            last = seen ? sent.rgb : last;
-        }
+            gathered = addFar(gathered, receiver, slice, i);
 #endif
-        // Up to the crest, which coarse samples under-estimate.
-        highest = max(highest, cap);
-        above = sliceMoments(highest, width);
-        upward += (below.x - above.x) * last;
-        outward += (below.y - above.y) * last;
-#ifdef FAR
-        // start - above: the moments of all of it. Rounding may leave them a little below 0.
-        float weight = max(normal.z * (start.x - above.x) + nh * (start.y - above.y), 0.0);
-        vec3 sent = max(normal.z * upward + nh * outward, vec3(0.0));
-        imageStore(farRadiance, ivec3(id, k),
-                   vec4(roundedToHalf(float(azimuths) * sent),
-                        roundedToHalf(vec3(float(azimuths) * weight)).x));
-#else
+        gathered = closeGather(gathered, slice.cap, slice.width);
         for (int c = 0; c < 3; ++c)
-            sum[c] += vec3(cosine * outward[c], sine * outward[c], upward[c]);
-#endif
+            sum[c] += vec3(cosine * gathered.outward[c], sine * gathered.outward[c],
+                           gathered.upward[c]);
     }
-#ifndef FAR
     sum /= PI;
-    vec3 received = normal * sum;
+    vec3 received = receiver.normal * sum;
     imageStore(light, post, vec4(roundedToHalf(received), 1.0));
-#endif
 }
+#endif

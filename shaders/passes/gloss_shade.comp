@@ -1,5 +1,5 @@
-// Adds to what cells send diffusely what their corners send towards one viewer by gloss: the one pyramid of
-// Nowrouzezahrai and Snyder 2009, section 5.3, for mixed surfaces.
+// Adds to what cells send diffusely what their corners send towards one viewer by gloss: the one
+// pyramid of Nowrouzezahrai and Snyder 2009, section 5.3, for mixed surfaces.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2DArray lastExit; // layers as in gloss.comp
@@ -17,8 +17,10 @@ void main()
     for (int i = 0; i < 4; ++i)
         for (int c = 0; c < 3; ++c)
             for (int j = 0; j < 4; ++j)
-                glossy[c] += 0.25 * dot(texelFetch(lastExit, ivec3(cell + ivec2(i % 2, i / 2), 4 * c + j), 0),
+                glossy[c] += 0.25 * dot(texelFetch(lastExit,
+                                                   ivec3(cell + ivec2(i % 2, i / 2), 4 * c + j), 0),
                                         basis.c[j]);
     vec4 sent = imageLoad(radiance, cell);
-    imageStore(radiance, cell, sent.a > 0.0 ? vec4(roundedToHalf(sent.rgb + glossy), sent.a) : vec4(0.0));
+    imageStore(radiance, cell,
+               sent.a > 0.0 ? vec4(roundedToHalf(sent.rgb + glossy), sent.a) : vec4(0.0));
 }

@@ -1,23 +1,25 @@
-// Light by the scheme of Nowrouzezahrai and Snyder 2009. Per azimuth the samples of a height pyramid are
-// scanned (section 5), the slice goes into normalised Legendre polynomials (section 4), slices into
-// spherical harmonics (SH) of order 4 (section 6), and these meet the clamped cosine about the normal
-// (section 7).
+// Light by the scheme of Nowrouzezahrai and Snyder 2009. Per azimuth the samples of a height
+// pyramid are scanned (section 5), the slice goes into normalised Legendre polynomials (section 4),
+// slices into spherical harmonics (SH) of order 4 (section 6), and these meet the clamped cosine
+// about the normal (section 7).
 //
-// DIRECT: the light of sky and key lights that the terrain leaves visible. HARMONICS: of a sky in SH; else of
-// a uniform one. Without DIRECT: one bounce. SENDS_ON: another bounce follows.
+// DIRECT: the light of sky and key lights that the terrain leaves visible. HARMONICS: of a sky in
+// SH; else of a uniform one. Without DIRECT: one bounce. SENDS_ON: another bounce follows.
 //
-// SUBSAMPLED: light is gathered at one post of every block of stride * stride, and shaded at all with their
-// own normals. A work group gathers at 8 * 8 blocks and shades the 7 * 7 of them that have a neighbour to
-// the east and to the north: SH of posts never leave it.
+// SUBSAMPLED: light is gathered at one post of every block of stride * stride, and shaded at all
+// with their own normals. A work group gathers at 8 * 8 blocks and shades the 7 * 7 of them that
+// have a neighbour to the east and to the north: SH of posts never leave it.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D heights;       // R32F [m], framed by `frame` void posts, row 0 south
 uniform sampler2D eastSpacings;  // R32F [m], one texel per row
 uniform sampler2D heightPyramid; // RG32F: height times weight, weight
 #ifdef DIRECT
-layout(rgba16f, binding = 0) writeonly uniform image2D light; // irradiance / pi, visible part of the sun
+// irradiance / pi, visible part of the sun
+layout(rgba16f, binding = 0) writeonly uniform image2D light;
 #ifdef HARMONICS
-uniform sampler2D skyProduct; // R32F: row of coefficient i; column 3 j + colour: visibility j's share in it
+// R32F: row of coefficient i; column 3 j + colour: visibility j's share in it
+uniform sampler2D skyProduct;
 #else
 uniform vec3 skyRadiance;
 #endif
@@ -25,11 +27,14 @@ uniform float sunOff; // alpha where no key slice is the sun's
 #else
 uniform sampler2D radiance; // what blocks send out: radiance times weight, weight
 uniform sampler2D radiancePyramid; // RGBA16F, likewise
-layout(rgba16f, binding = 0) writeonly uniform image2D light; // irradiance / pi of this bounce, 1
-uniform ivec4 radianceLevels[16]; // x, y, width, height in the pyramid's texture; the first is not used
+// irradiance / pi of this bounce, 1
+layout(rgba16f, binding = 0) writeonly uniform image2D light;
+// x, y, width, height in the pyramid's texture; the first is not used
+uniform ivec4 radianceLevels[16];
 uniform int radianceLevelCount;
 #ifdef SENDS_ON
-layout(rgba16f, binding = 1) writeonly uniform image2D blockLight; // likewise, a texel per block
+// likewise, a texel per block
+layout(rgba16f, binding = 1) writeonly uniform image2D blockLight;
 #endif
 #endif
 
@@ -51,11 +56,12 @@ uniform vec4 orderWeights; // what the blend between those leaves of each |m| (W
 layout(std140, binding = 0) uniform Rays
 {
 #ifdef DIRECT
-    // A step: posts to the east, to the north; the unit vector on the ground. Those all around, then those
-    // of key lights.
+    // A step: posts to the east, to the north; the unit vector on the ground. Those all around,
+    // then those of key lights.
     vec4 directions[340];
-    // Per ray of a key light: even and odd weights; cosine and sine of its lowest and of its highest
-    // elevation; radiance and, for the sun's, 1 / coefficient (0, 0) of the unoccluded disc.
+    // Per ray of a key light: even and odd weights; cosine and sine of its lowest and of its
+    // highest elevation; radiance and, for the sun's, 1 / coefficient (0, 0) of the unoccluded
+    // disc.
     vec4 keySlices[336];
 #else
     vec4 directions[256];
@@ -77,128 +83,158 @@ float coefficient(ShVector sh, int i)
     return sh.c[i / 4][i % 4];
 }
 
+// (height above `here` times weight, weight) at a place [posts].
+vec2 riseAt(vec2 place, int number, Length here)
+{
+    if (number == 0)
+        return riseBetweenPosts(heights, place, size, frame, here);
+    vec2 scale = 1.0 / vec2(textureSize(heightPyramid, 0));
+    vec2 texel = pyramidTexel(levels[number], place, number);
+    return pyramidRise(textureLod(heightPyramid, texel * scale, 0.0).xy, here);
+}
+
+// The ground length of a ray's step, and the slope of the surface's own plane. The paper has -asin
+// of the cosine between normal and azimuth, which is right only where the normal lies in the slice.
+Length lengthOfStep(vec4 direction, Length east)
+{
+    return length(direction.xy * vec2(east, northSpacing));
+}
+
+Slope ownPlane(vec4 direction, vec3 normal)
+{
+    return planeSlope(normal, direction.z, direction.w);
+}
+
+vec2 placeOf(ivec2 post, vec4 direction, float octaves)
+{
+    return vec2(post) + exp2(octaves) * direction.xy;
+}
+
+// Slope of the surface at a place 2^octaves steps away.
+Slope slopeAt(vec2 place, float octaves, Length here, Length stepLength)
+{
+    int number = pyramidLevel(octaves - offset, levelCount);
+    return slopeOfRise(riseAt(place, number, here), exp2(octaves), stepLength);
+}
+
+#ifdef DIRECT
+// The horizon along a ray. All light ends at the horizontal.
+Slope horizonOf(ivec2 post, Length here, Length east, vec3 normal, vec4 direction)
+{
+    Length stepLength = lengthOfStep(direction, east);
+    Slope highest = ownPlane(direction, normal);
+    for (int i = 0; i < sampleCount; ++i)
+    {
+        float octaves = float(i) / samplesPerOctave;
+        vec2 place = placeOf(post, direction, octaves);
+        if (!onSurface(place, size, 1.0e-3))
+            break;
+        place = clamp(place, vec2(0.0), vec2(size - 1));
+        highest = max(highest, slopeAt(place, octaves, here, stepLength));
+    }
+    return max(highest, 0.0);
+}
+
 Incident gather(ivec2 post, Length here, Length east, vec3 normal)
 {
-    vec2 scale = 1.0 / vec2(textureSize(heightPyramid, 0));
     Incident incident;
     for (int j = 0; j < 9; ++j)
         incident.c[j] = vec3(0.0);
-    incident.sun = 0.0;
-#ifdef DIRECT
     incident.sun = sunOff;
     ShVector visible = shZero();
-    int rayCount = azimuths + keyCount;
-#else
-    vec2 radianceScale = 1.0 / vec2(textureSize(radiancePyramid, 0));
-    vec2 blocks = vec2(textureSize(radiance, 0));
-    ShVector red = shZero();
-    ShVector green = shZero();
-    ShVector blue = shZero();
-    int rayCount = azimuths;
-#endif
-    for (int k = 0; k < rayCount; ++k)
+    for (int k = 0; k < azimuths + keyCount; ++k)
     {
         vec4 direction = directions[k];
-        Length stepLength = length(direction.xy * vec2(east, northSpacing));
-        // The surface's own horizon. The paper has -asin of the cosine between normal and azimuth, which
-        // is right only where the normal lies in the slice.
-        Slope highest = -dot(normal.xy, direction.zw) / normal.z;
-#ifndef DIRECT
-        vec4 below = occlusionBelow(risingDirection(highest));
-        vec4 redSlice = vec4(0.0);
-        vec4 greenSlice = vec4(0.0);
-        vec4 blueSlice = vec4(0.0);
-#endif
-        for (int i = 0; i < sampleCount; ++i)
-        {
-            float octaves = float(i) / samplesPerOctave;
-            float distance = exp2(octaves); // [steps]
-            vec2 place = vec2(post) + distance * direction.xy;
-            // Room for rounding: the last post of a ray along an edge is inside.
-            if (any(lessThan(place, vec2(-1.0e-3))) || any(greaterThan(place, vec2(size) - 0.999)))
-                break;
-            place = clamp(place, vec2(0.0), vec2(size - 1));
-            // The nearest level; a half is up, whichever way the division was rounded.
-            int number = clamp(int(floor(octaves - offset + 0.5001)), 0, levelCount - 1);
-            vec2 rise;
-            if (number == 0)
-                rise = riseBetweenPosts(heights, place, size, frame, here);
-            else
-            {
-                vec2 texel = vec2(levels[number].xy) + place / float(1 << number) + 0.5;
-                rise = textureLod(heightPyramid, texel * scale, 0.0).xy;
-                rise.x -= here * rise.y;
-            }
-            Slope slope = rise.x / (max(rise.y, 1.0e-3) * distance * stepLength);
-            if (rise.y <= 0.5 || slope <= highest)
-                continue;
-#ifndef DIRECT
-            // Blocks are the radiance's finest level.
-            vec2 block = place / float(stride);
-            int coarser = clamp(int(floor(octaves - offset + 0.5001 - log2(float(stride)))), 0,
-                                radianceLevelCount - 1);
-            vec4 sent =
-                coarser == 0
-                    ? textureLod(radiance, (block + 0.5) / blocks, 0.0)
-                    : textureLod(radiancePyramid,
-                                 (vec2(radianceLevels[coarser].xy) + block / float(1 << coarser) + 0.5) *
-                                     radianceScale,
-                                 0.0);
-            // The paper's sum over differences of radiance, by differences of elevation.
-            vec4 above = occlusionBelow(risingDirection(slope));
-            vec4 piece = (above - below) / max(sent.a, 1.0e-3);
-            redSlice += sent.r * piece;
-            greenSlice += sent.g * piece;
-            blueSlice += sent.b * piece;
-            below = above;
-#endif
-            highest = slope;
-        }
+        vec2 horizon = risingDirection(horizonOf(post, here, east, normal, direction));
         AzimuthTerms terms = azimuthTerms(direction.z, direction.w);
-#ifdef DIRECT
-        // All light ends at the horizontal.
-        vec2 horizon = risingDirection(max(highest, 0.0));
         if (k < azimuths)
-            visible = addSlice(visible, visibleAbove(horizon), terms);
-        else
         {
-            int key = 4 * (k - azimuths);
-            vec4 range = keySlices[key + 2];
-            ShVector seen = addSlice(shZero(), visibleBetween(horizon, range.xy, range.zw),
-                                     weighTerms(terms, keySlices[key], keySlices[key + 1]));
-            for (int j = 0; j < 9; ++j)
-                incident.c[j] += keySlices[key + 3].rgb * coefficient(seen, j);
-            incident.sun += keySlices[key + 3].a * seen.c[0].x;
+            visible = addSlice(visible, visibleAbove(horizon), terms);
+            continue;
         }
-#else
-        red = addSlice(red, redSlice, terms);
-        green = addSlice(green, greenSlice, terms);
-        blue = addSlice(blue, blueSlice, terms);
-#endif
+        int key = 4 * (k - azimuths);
+        vec4 range = keySlices[key + 2];
+        ShVector seen = addSlice(shZero(), visibleBetween(horizon, range.xy, range.zw),
+                                 weighTerms(terms, keySlices[key], keySlices[key + 1]));
+        for (int j = 0; j < 9; ++j)
+            incident.c[j] += keySlices[key + 3].rgb * coefficient(seen, j);
+        incident.sun += keySlices[key + 3].a * seen.c[0].x;
     }
-#ifdef DIRECT
     visible = shWeighOrders(visible, orderWeights);
     for (int i = 0; i < 9; ++i)
     {
 #ifdef HARMONICS
         // The product of two functions in SH is linear in either.
         for (int j = 0; j < 16; ++j)
-            incident.c[i] += coefficient(visible, j) * vec3(texelFetch(skyProduct, ivec2(3 * j, i), 0).x,
-                                                            texelFetch(skyProduct, ivec2(3 * j + 1, i), 0).x,
-                                                            texelFetch(skyProduct, ivec2(3 * j + 2, i), 0).x);
+            incident.c[i] +=
+                coefficient(visible, j) * vec3(texelFetch(skyProduct, ivec2(3 * j, i), 0).x,
+                                               texelFetch(skyProduct, ivec2(3 * j + 1, i), 0).x,
+                                               texelFetch(skyProduct, ivec2(3 * j + 2, i), 0).x);
 #else
         incident.c[i] += coefficient(visible, i) * skyRadiance;
 #endif
     }
+    return incident;
+}
 #else
+// Radiance times weight, weight. Blocks are the radiance's finest level.
+vec4 sentAt(vec2 place, float octaves)
+{
+    vec2 block = place / float(stride);
+    int number = pyramidLevel(octaves - offset - log2(float(stride)), radianceLevelCount);
+    if (number == 0)
+        return textureLod(radiance, (block + 0.5) / vec2(textureSize(radiance, 0)), 0.0);
+    vec2 texel = vec2(radianceLevels[number].xy) + block / float(1 << number) + 0.5;
+    vec2 scale = 1.0 / vec2(textureSize(radiancePyramid, 0));
+    return textureLod(radiancePyramid, texel * scale, 0.0);
+}
+
+LegendreGather gatherAlong(ivec2 post, Length here, Length east, vec3 normal, vec4 direction)
+{
+    Length stepLength = lengthOfStep(direction, east);
+    Slope highest = ownPlane(direction, normal);
+    LegendreGather slice = startLegendreGather(highest);
+    for (int i = 0; i < sampleCount; ++i)
+    {
+        float octaves = float(i) / samplesPerOctave;
+        vec2 place = placeOf(post, direction, octaves);
+        if (!onSurface(place, size, 1.0e-3))
+            break;
+        place = clamp(place, vec2(0.0), vec2(size - 1));
+        Slope slope = slopeAt(place, octaves, here, stepLength);
+        if (slope <= highest)
+            continue;
+        highest = slope;
+        vec4 sent = sentAt(place, octaves);
+        slice = addLegendreSegment(slice, highest, sent.rgb, max(sent.a, 1.0e-3));
+    }
+    return slice;
+}
+
+Incident gather(ivec2 post, Length here, Length east, vec3 normal)
+{
+    ShVector red = shZero();
+    ShVector green = shZero();
+    ShVector blue = shZero();
+    for (int k = 0; k < azimuths; ++k)
+    {
+        vec4 direction = directions[k];
+        LegendreGather slice = gatherAlong(post, here, east, normal, direction);
+        AzimuthTerms terms = azimuthTerms(direction.z, direction.w);
+        red = addSlice(red, slice.red, terms);
+        green = addSlice(green, slice.green, terms);
+        blue = addSlice(blue, slice.blue, terms);
+    }
     red = shWeighOrders(red, orderWeights);
     green = shWeighOrders(green, orderWeights);
     blue = shWeighOrders(blue, orderWeights);
+    Incident incident;
     for (int j = 0; j < 9; ++j)
         incident.c[j] = vec3(coefficient(red, j), coefficient(green, j), coefficient(blue, j));
-#endif
+    incident.sun = 0.0;
     return incident;
 }
+#endif
 
 // Irradiance / pi.
 vec3 received(Incident incident, vec3 normal)
@@ -215,8 +251,9 @@ void shade(ivec2 post, Incident incident, vec3 normal)
     vec3 sum = received(incident, normal);
     // Order 4 rings, so light may be below 0; that of a bounce stays so.
 #ifdef DIRECT
-    imageStore(light, post,
-               vec4(roundedToHalf(max(sum, 0.0)), roundedToHalf(clamp(vec3(incident.sun), 0.0, 1.0)).x));
+    imageStore(
+        light, post,
+        vec4(roundedToHalf(max(sum, 0.0)), roundedToHalf(clamp(vec3(incident.sun), 0.0, 1.0)).x));
 #else
     imageStore(light, post, vec4(roundedToHalf(sum), 1.0));
 #endif
@@ -289,7 +326,8 @@ void main()
             int other = near.x + 8 * near.y;
             vec4 place = places[other];
             vec3 across = vec3((place.xy - vec2(post)) * vec2(east, northSpacing), place.z - here);
-            float weight = place.w * blockWeight(towards, share, across, normal, max(east, northSpacing));
+            float weight =
+                place.w * blockWeight(towards, share, across, normal, max(east, northSpacing));
             for (int j = 0; j < 7; ++j)
                 sum[j] += place.w > 0.0 ? weight * gathered[other][j] : vec4(0.0);
             weights += weight;

@@ -22,6 +22,14 @@ uniform int levelCount;
 uniform ivec4 levels[16]; // x, y, width, height in the pyramid's texture; the first is not used
 uniform bool smoothly;    // false: the highest sample, and no B-spline
 
+// (height above `here` times weight, weight), from a level of the pyramid.
+vec2 riseAt(vec2 place, int number, Length here)
+{
+    vec2 scale = 1.0 / vec2(textureSize(heightPyramid, 0));
+    vec2 texel = pyramidTexel(levels[number], place, number);
+    return pyramidRise(textureLod(heightPyramid, texel * scale, 0.0).xy, here);
+}
+
 void main()
 {
     ivec3 place3 = ivec3(gl_GlobalInvocationID);
@@ -37,7 +45,6 @@ void main()
     vec4 direction = directions[place3.z];
     Length east = texelFetch(eastSpacings, ivec2(0, post.y), 0).x;
     Length stepLength = length(direction.xy * vec2(east, northSpacing));
-    vec2 scale = 1.0 / vec2(textureSize(heightPyramid, 0));
     // The last four samples. The spline has its first and last one twice more, so that it ends in
     // them.
     vec4 last = vec4(0.0);
@@ -52,26 +59,16 @@ void main()
         float octaves = float(i) / samplesPerOctave;
         float distance = exp2(octaves); // [steps]
         vec2 place = vec2(post) + distance * direction.xy;
-        // Room for rounding: the last post of a ray along an edge is inside.
-        bool inside = i < sampleCount && all(greaterThanEqual(place, vec2(-1.0e-3))) &&
-                      all(lessThanEqual(place, vec2(size) - 0.999));
-        if (inside)
+        if (i < sampleCount && onSurface(place, size, 1.0e-3))
         {
             place = clamp(place, vec2(0.0), vec2(size - 1));
-            int number = clamp(int(floor(octaves - offset + 0.5001)), 0, levelCount - 1);
-            vec2 rise;
-            if (number == 0)
-                rise = riseBetweenPosts(heights, place, size, frame, here);
-            else
-            {
-                vec2 texel = vec2(levels[number].xy) + place / float(1 << number) + 0.5;
-                rise = textureLod(heightPyramid, texel * scale, 0.0).xy;
-                rise.x -= here * rise.y;
-            }
+            int number = pyramidLevel(octaves - offset, levelCount);
+            vec2 rise = number == 0 ? riseBetweenPosts(heights, place, size, frame, here)
+                                    : riseAt(place, number, here);
             // A void casts nothing: the spline goes on as before.
             if (rise.y > 0.5)
             {
-                elevation = elevationOfSlope(rise.x / (rise.y * distance * stepLength));
+                elevation = elevationOfSlope(slopeOfRise(rise, distance, stepLength));
                 last = started ? last : vec4(elevation);
                 started = true;
                 highest = smoothly ? highest : max(highest, elevation);

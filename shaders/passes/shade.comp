@@ -3,7 +3,8 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D heights; // R32F [m], framed by `frame` void posts, row 0 south
 uniform sampler2D eastSpacings; // R32F [m], one texel per row
-uniform sampler2D skyView; // R32F, sky-view factor; SKY_TABLE: rgb = irradiance / pi. Read where hasSky
+// R32F, sky-view factor; SKY_TABLE: rgb = irradiance / pi. Read where hasSky
+uniform sampler2D skyView;
 layout(rgba16f, binding = 0) writeonly uniform image2D shading;
 
 uniform ivec2 size; // posts
@@ -28,11 +29,13 @@ void main()
     if (hasSky)
         light += skyRadiance * SkyShare(texelFetch(skyView, post, 0));
 #ifdef KEY_LIGHTS
-    light += keyLight(post, postNormal(heights, post + frame,
-                                       texelFetch(eastSpacings, ivec2(0, post.y), 0).x, northSpacing));
+    light +=
+        keyLight(post, postNormal(heights, post + frame,
+                                  texelFetch(eastSpacings, ivec2(0, post.y), 0).x, northSpacing));
 #endif
 #ifdef SUN
-    visible = visibleDiscFractionAcross(sunAbove(post, 0), sunAbove(post, 1), sunAbove(post, 2), sunRadius);
+    visible = visibleDiscFractionAcross(sunAbove(post, 0), sunAbove(post, 1), sunAbove(post, 2),
+                                        sunRadius);
     vec3 normal = postNormal(heights, post + frame, texelFetch(eastSpacings, ivec2(0, post.y), 0).x,
                              northSpacing);
     light += sunIrradiance * (visible * max(dot(normal, sunDirection), 0.0) / PI);

@@ -398,3 +398,127 @@ TEST(ShaderFunctions, Sky)
                         slice);
     }
 }
+
+// Six samples along a ray, gathered in both ways, and the reads of pyramids.
+TEST(ShaderFunctions, RaysAndGather)
+{
+    OTL_NEED_GL(context);
+    G glsl;
+    const int width = 24, height = 16;
+    const glm::ivec2 size(width, height);
+    const Raster<float> heights = framedTile(width, height, frame, 100.0f, 50.0f, 0.05, 23);
+    std::mt19937 random(31);
+    std::uniform_real_distribution<float> uniform(-1.0f, 1.0f);
+    Raster<float> arguments(2048, 6);
+    for (int i = 0; i < arguments.width(); ++i)
+    {
+        arguments.at(i, 0) = uniform(random);                   // turn
+        arguments.at(i, 1) = i % 2 == 0 ? 1.0f : -1.0f;         // look
+        arguments.at(i, 2) = float(i / 2 % 2);                  // north
+        arguments.at(i, 3) = float(random() % unsigned(width)); // the post
+        arguments.at(i, 4) = float(random() % unsigned(height));
+        arguments.at(i, 5) = std::abs(uniform(random)); // of the horizon's code, and a weight
+    }
+    const Raster<float> found = evaluate(*context, R"(
+    ivec2 size = ivec2(24, 16);
+    ivec2 post = ivec2(int(arg(3)), int(arg(4)));
+    GridRay ray = gridRay(arg(0), int(arg(1)), arg(2) != 0.0);
+    Length here = postHeight(heights, post + 40);
+    Slope cap = slopeOfCode(0.5 + 0.45 * arg(5));
+    Slope plane = planeSlope(vec3(0.6, 0.0, 0.8), 0.8, 0.6);
+    SliceGather slice = startGather(plane, vec3(1.0), 0.2);
+    LegendreGather legendre = startLegendreGather(plane);
+    Slope own = ownCellSlope(heights, post + 40, here, ray) / 30.0;
+    slice = addSegment(slice, own, vec3(1.0), cap, 0.2);
+    for (int i = 1; i <= 6; ++i)
+    {
+        Length height = heightAtStep(heights, post, ray, i, size, 40);
+        put(i, height);
+        Slope slope = (height - here) / (30.0 * float(i));
+        slice = addSegment(slice, slope, vec3(float(i)), cap, 0.2);
+        legendre = addLegendreSegment(legendre, slice.highest, vec3(float(i)), 0.5);
+    }
+    put(0, own);
+    put(7, slice.highest);
+    slice = closeGather(slice, cap, 0.2);
+    put(8, slice.upward.x);
+    put(9, slice.outward.y);
+    put(10, legendre.red.x);
+    put(11, legendre.blue.w);
+    vec2 place = vec2(post) + 3.0 * ray.step;
+    int number = pyramidLevel(4.0 * arg(5), 4);
+    vec2 texel = pyramidTexel(ivec4(24, 0, 12, 8), place, number);
+    put(12, texel.x);
+    put(13, texel.y);
+    texel = cellPyramidTexel(ivec4(24, 0, 12, 8), place, number);
+    put(14, texel.x);
+    put(15, texel.y);
+    vec2 read = vec2(100.0 * arg(5), arg(5));
+    put(16, pyramidHeight(read));
+    put(17, slopeOfRise(pyramidRise(read, 60.0), 3.0, 30.0));
+    put(18, onSurface(place, size, 1.0e-3) ? 1.0 : 0.0);
+)",
+                                         arguments, 19, heights);
+    int read = 0;
+    for (int i = 0; i < arguments.width(); ++i)
+    {
+        const glm::ivec2 post(int(arguments.at(i, 3)), int(arguments.at(i, 4)));
+        const float here = glsl.postHeight(heights, post + frame);
+        if (glsl.isVoid(here))
+            continue;
+        const auto ray =
+            glsl.gridRay(arguments.at(i, 0), int(arguments.at(i, 1)), arguments.at(i, 2) != 0.0f);
+        const float share = arguments.at(i, 5);
+        const float cap = glsl.slopeOfCode(0.5f + 0.45f * share);
+        const float plane = glsl.planeSlope(G::vec3(0.6f, 0.0f, 0.8f), 0.8f, 0.6f);
+        auto slice = glsl.startGather(plane, G::vec3(1.0f), 0.2f);
+        auto legendre = glsl.startLegendreGather(plane);
+        const float own = glsl.ownCellSlope(heights, post + frame, here, ray) / 30.0f;
+        slice = glsl.addSegment(slice, own, G::vec3(1.0f), cap, 0.2f);
+        // Heights up to 150 m are mixed from two, and slopes are their differences over 30 m.
+        const double bound = 8.0 * 150.0 * ulp;
+        for (int step = 1; step <= 6; ++step)
+        {
+            const float z = glsl.heightAtStep(heights, post, ray, step, size, frame);
+            if (glsl.isVoid(z))
+                EXPECT_TRUE(glsl.isVoid(found.at(i, step)));
+            else
+                EXPECT_NEAR(found.at(i, step), z, bound);
+            const float slope = (z - here) / (30.0f * float(step));
+            slice = glsl.addSegment(slice, slope, G::vec3(float(step)), cap, 0.2f);
+            legendre = glsl.addLegendreSegment(legendre, slice.highest, G::vec3(float(step)), 0.5f);
+        }
+        if (own > -1e9f)
+            EXPECT_NEAR(found.at(i, 0), own, bound / 30.0);
+        // The horizon is a tangent, of an angle up to 81 degrees: 42 times the sines' error.
+        EXPECT_NEAR(found.at(i, 7), slice.highest, bound / 30.0 + 42.0 * sine);
+        slice = glsl.closeGather(slice, cap, 0.2f);
+        // Moments change by less than 0.2 per unit of slope, and light is up to 6.
+        const double light = 7.0 * 6.0 * (0.2 * (bound / 30.0 + 42.0 * sine) + 8.0 * ulp);
+        EXPECT_NEAR(found.at(i, 8), slice.upward.x, light);
+        EXPECT_NEAR(found.at(i, 9), slice.outward.y, light);
+        // Legendre slices change by less than 2, and are divided by a weight of a half.
+        EXPECT_NEAR(found.at(i, 10), legendre.red.x, 20.0 * light);
+        EXPECT_NEAR(found.at(i, 11), legendre.blue.w, 20.0 * light);
+        const G::vec2 place = G::vec2(post) + 3.0f * ray.step;
+        const int number = glsl.pyramidLevel(4.0f * share, 4);
+        const G::vec2 onPosts = glsl.pyramidTexel({24, 0, 12, 8}, place, number);
+        const G::vec2 onCells = glsl.cellPyramidTexel({24, 0, 12, 8}, place, number);
+        for (int c = 0; c < 2; ++c)
+        {
+            EXPECT_NEAR(found.at(i, 12 + c), onPosts[c], 64.0 * ulp);
+            EXPECT_NEAR(found.at(i, 14 + c), onCells[c], 64.0 * ulp);
+        }
+        const G::vec2 read2(100.0f * share, share);
+        const float slope = glsl.slopeOfRise(glsl.pyramidRise(read2, 60.0f), 3.0f, 30.0f);
+        EXPECT_EQ(glsl.isVoid(found.at(i, 16)), glsl.isVoid(glsl.pyramidHeight(read2)));
+        if (share > 0.5f)
+        {
+            EXPECT_NEAR(found.at(i, 16), 100.0, 400.0 * ulp);
+            EXPECT_NEAR(found.at(i, 17), slope, 8.0 * ulp);
+        }
+        EXPECT_EQ(found.at(i, 18) != 0.0f, glsl.onSurface(place, size, 1.0e-3f));
+        ++read;
+    }
+    EXPECT_GT(read, 1500);
+}

@@ -1,0 +1,92 @@
+// What a post receives from one slice of azimuth: segments of terrain one above the other, each up
+// to the slope at which the next is seen over it.
+
+// The casting set of Nowrouzezahrai and Snyder 2009, section 3: a sample is seen where it stands
+// above all before it. cap: slope of the horizon, which no sample passes; coarse ones would.
+Slope raisedSlope(Slope highest, Slope slope, Slope cap)
+{
+    return slope > highest ? max(highest, min(slope, cap)) : highest;
+}
+
+// In moments (sliceMoments): exact for diffuse light on a surface of any normal.
+struct SliceGather
+{
+    Slope highest; // that segments reach
+    vec2 moments;  // of the slice above it
+    // what segments send, times their moments: what a normal's vertical part receives
+    vec3 upward;
+    vec3 outward;  // and its part along the slice
+    vec3 last;     // what the last segment seen sends
+};
+
+// plane: slope that the slice begins at; own: what the cell ahead of the post sends.
+SliceGather startGather(Slope plane, vec3 own, Angle width)
+{
+    SliceGather slice;
+    slice.highest = plane;
+    slice.moments = sliceMoments(plane, width);
+    slice.upward = vec3(real(0.0), real(0.0), real(0.0));
+    slice.outward = slice.upward;
+    slice.last = own;
+    return slice;
+}
+
+// Up to a sample's slope, if it is seen. sent: radiance between it and the sample before.
+SliceGather addSegment(SliceGather slice, Slope slope, vec3 sent, Slope cap, Angle width)
+{
+    SliceGather next;
+    next.highest = raisedSlope(slice.highest, slope, cap);
+    next.moments = sliceMoments(next.highest, width);
+    next.upward = slice.upward + sent * (slice.moments.x - next.moments.x);
+    next.outward = slice.outward + sent * (slice.moments.y - next.moments.y);
+    next.last = slope > slice.highest ? sent : slice.last;
+    return next;
+}
+
+// Up to the crest, which coarse samples under-estimate.
+SliceGather closeGather(SliceGather slice, Slope cap, Angle width)
+{
+    return addSegment(slice, cap, slice.last, cap, width);
+}
+
+// The same without what came so far: only what is above is counted.
+SliceGather countFromHere(SliceGather slice)
+{
+    SliceGather next = slice;
+    next.upward = vec3(real(0.0), real(0.0), real(0.0));
+    next.outward = next.upward;
+    return next;
+}
+
+// In Legendre polynomials, per colour.
+struct LegendreGather
+{
+    vec4 below; // the slice up to where segments reach (occlusionBelow)
+    vec4 red;
+    vec4 green;
+    vec4 blue;
+};
+
+LegendreGather startLegendreGather(Slope plane)
+{
+    LegendreGather slice;
+    slice.below = occlusionBelow(risingDirection(plane));
+    slice.red = vec4(real(0.0), real(0.0), real(0.0), real(0.0));
+    slice.green = slice.red;
+    slice.blue = slice.red;
+    return slice;
+}
+
+// Up to `slope`, at least that of the segment before. sent: radiance times weight; 0 < weight.
+LegendreGather addLegendreSegment(LegendreGather slice, Slope slope, vec3 sent, real weight)
+{
+    GLSL_ASSERT(weight > real(0.0));
+    LegendreGather next;
+    next.below = occlusionBelow(risingDirection(slope));
+    // The paper's sum over differences of radiance, by differences of elevation.
+    vec4 piece = (next.below - slice.below) / weight;
+    next.red = slice.red + piece * sent.x;
+    next.green = slice.green + piece * sent.y;
+    next.blue = slice.blue + piece * sent.z;
+    return next;
+}

@@ -1,0 +1,116 @@
+#include "support/Precisions.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+using namespace osgTerrainLight;
+
+namespace
+{
+template <class Real>
+class Gather : public testing::Test
+{
+};
+TYPED_TEST_SUITE(Gather, Precisions);
+
+constexpr double slices = 0.2; // width [rad]
+} // namespace
+
+TYPED_TEST(Gather, RaisesToWhatIsSeenButNotAboveTheHorizon)
+{
+    CheckedGlsl<TypeParam> glsl;
+    const auto raised = [&](double highest, double slope, double cap)
+    { return glsl.raisedSlope(TypeParam(highest), TypeParam(slope), TypeParam(cap)); };
+    EXPECT_EQ(raised(1.0, 2.0, 3.0), TypeParam(2)); // seen
+    EXPECT_EQ(raised(1.0, 0.5, 3.0), TypeParam(1)); // hidden
+    EXPECT_EQ(raised(1.0, 4.0, 3.0), TypeParam(3)); // above the horizon
+    EXPECT_EQ(raised(2.0, 4.0, 1.0), TypeParam(2)); // which the plane itself is above
+}
+
+// Where all terrain sends the same, the segments' borders do not count: the receiver has what
+// sliceIrradiance() gives between its plane and the horizon.
+TYPED_TEST(Gather, EvenLightIsThatOfTheWholeSlice)
+{
+    using G = CheckedGlsl<TypeParam>;
+    G glsl;
+    std::mt19937 random(4);
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    const auto width = static_cast<TypeParam>(slices);
+    for (int trial = 0; trial < 200; ++trial)
+    {
+        const typename G::vec3 normal = glsl.normalize(typename G::vec3(
+            TypeParam(uniform(random)), TypeParam(uniform(random)), TypeParam(0.5)));
+        const TypeParam plane = glsl.planeSlope(normal, TypeParam(1), TypeParam(0));
+        const TypeParam cap = plane + TypeParam(2.0 * std::abs(uniform(random)));
+        const typename G::vec3 sent(1, 2, 4);
+        auto gathered = glsl.startGather(plane, sent, width);
+        for (int i = 0; i < 20; ++i)
+            gathered =
+                glsl.addSegment(gathered, TypeParam(4.0 * uniform(random)), sent, cap, width);
+        gathered = glsl.closeGather(gathered, cap, width);
+        EXPECT_EQ(gathered.highest, cap);
+        const auto zenith = [&](TypeParam slope)
+        { return glsl.HALF_PI - glsl.elevationOfSlope(slope); };
+        const TypeParam expected = glsl.sliceIrradiance(zenith(plane), normal.z, normal.x, width) -
+                                   glsl.sliceIrradiance(zenith(cap), normal.z, normal.x, width);
+        // Twenty sums of parts whose total is below the slice's width, each off by the polynomial
+        // of elevationOfSlope (2e-8) and a few roundings.
+        const double bound = 22.0 * slices * (2.0 * 2e-8 + 8.0 * roundoff<TypeParam>);
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(
+                static_cast<double>(normal.z * gathered.upward[c] + normal.x * gathered.outward[c]),
+                static_cast<double>(sent[c] * expected), static_cast<double>(sent[c]) * bound);
+    }
+}
+
+// Two segments of different light, one sample hidden behind the first: by hand.
+TYPED_TEST(Gather, HiddenSamplesSendNothing)
+{
+    using G = CheckedGlsl<TypeParam>;
+    G glsl;
+    const auto width = static_cast<TypeParam>(slices), cap = TypeParam(2);
+    const typename G::vec3 own(1, 1, 1), near(10, 10, 10), hidden(100, 100, 100),
+        far(1000, 1000, 1000);
+    const auto moments = [&](double slope) { return glsl.sliceMoments(TypeParam(slope), width); };
+    auto gathered = glsl.startGather(TypeParam(-0.5), own, width);
+    gathered = glsl.addSegment(gathered, TypeParam(0), own, cap, width);
+    gathered = glsl.addSegment(gathered, TypeParam(0.5), near, cap, width);
+    gathered = glsl.addSegment(gathered, TypeParam(0.25), hidden, cap, width);
+    EXPECT_EQ(gathered.last, near);
+    gathered = glsl.addSegment(gathered, TypeParam(1), far, cap, width);
+    const auto counted = glsl.closeGather(gathered, cap, width); // the crest sends as the last does
+    const auto piece = [&](double from, double to) { return moments(from) - moments(to); };
+    const auto expected =
+        piece(-0.5, 0.0) + TypeParam(10) * piece(0.0, 0.5) + TypeParam(1000) * piece(0.5, 2.0);
+    const double bound = 1000.0 * slices * 8.0 * roundoff<TypeParam>;
+    EXPECT_NEAR(static_cast<double>(counted.upward.x), static_cast<double>(expected.x), bound);
+    EXPECT_NEAR(static_cast<double>(counted.outward.x), static_cast<double>(expected.y), bound);
+    // Counted from the last sample on, only the crest is left.
+    const auto rest = glsl.closeGather(glsl.countFromHere(gathered), cap, width);
+    EXPECT_NEAR(static_cast<double>(rest.upward.x), 1000.0 * static_cast<double>(piece(1.0, 2.0).x),
+                bound);
+}
+
+// Even light in Legendre polynomials: what is below the horizon less what is below the plane.
+TYPED_TEST(Gather, LegendreSegmentsAddUp)
+{
+    using G = CheckedGlsl<TypeParam>;
+    G glsl;
+    auto slice = glsl.startLegendreGather(TypeParam(-0.3));
+    const TypeParam weight(0.5);
+    for (const double slope : {0.1, 0.4, 1.5})
+        slice = glsl.addLegendreSegment(slice, TypeParam(slope), typename G::vec3(1, 2, 4), weight);
+    const auto expected = glsl.occlusionBelow(glsl.risingDirection(TypeParam(1.5))) -
+                          glsl.occlusionBelow(glsl.risingDirection(TypeParam(-0.3)));
+    for (int i = 0; i < 4; ++i)
+    {
+        const double unit = 2.0 * static_cast<double>(expected[i]);
+        const double bound = 8.0 * 2.0 * 2.0 * 8.0 * roundoff<TypeParam>; // values up to 2
+        EXPECT_NEAR(static_cast<double>(slice.red[i]), unit, bound);
+        EXPECT_NEAR(static_cast<double>(slice.green[i]), 2.0 * unit, 2.0 * bound);
+        EXPECT_NEAR(static_cast<double>(slice.blue[i]), 4.0 * unit, 4.0 * bound);
+    }
+}
