@@ -8,6 +8,7 @@ layout(rgba16f, binding = 0) uniform image2D shading; // as direct
 
 uniform ivec2 size; // posts
 uniform bool first; // nothing is in the shading yet
+uniform float least; // that a sum may become
 
 void main()
 {
@@ -16,6 +17,5 @@ void main()
         return;
     vec4 before = first ? texelFetch(direct, post, 0) : imageLoad(shading, post);
     vec3 light = texelFetch(bounced, post, 0).rgb;
-    // Harmonics of order 4 ring: light of a bounce may be below 0, but no radiance is.
-    imageStore(shading, post, vec4(roundedToHalf(max(before.rgb + light, 0.0)), before.a));
+    imageStore(shading, post, vec4(roundedToHalf(max(before.rgb + light, least)), before.a));
 }

@@ -68,7 +68,7 @@ Bounce onGpu(osg::State& state, const DemTile& tile, const Colours& sent,
             bounce + 1 < bounces ? new Resource("blocks", blockLayout(*surface, stride)) : nullptr;
         nodes.emplace_back(new LegendreBounceNode(*pyramid, gather, node, lights.back(), sends));
     }
-    nodes.emplace_back(new ComposeNode(*surface, direct, lights, shading));
+    nodes.emplace_back(new ComposeNode(*surface, direct, lights, shading, true));
     WorkGraph graph;
     Status done = graph.declare(nodes);
     if (done)

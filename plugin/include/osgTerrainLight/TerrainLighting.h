@@ -150,7 +150,7 @@ public:
 
     /// Runs of each stage (heights that change, horizon, table, sky, key, sun, pyramid, shade,
     /// gloss, sent, bounce, compose, probe) since creation, all tiles and contexts; of sent, bounce
-    /// and gloss one per bounce. A still scene adds none.
+    /// and gloss one per bounce; stages that no tile has are left out. A still scene adds none.
     std::map<std::string, unsigned> getDispatchCounts() const;
     unsigned getDispatchCount() const;
 

@@ -272,7 +272,8 @@ void TileLight::declareTransport()
     for (int bounce = 0; bounce < bounces; ++bounce)
         _bounces.push_back(_method->declareBounce(_transport));
     if (bounces > 0)
-        _transport.emplace_back(new ComposeNode(*_surface, direct, _bounces, _shading));
+        _transport.emplace_back(new ComposeNode(*_surface, direct, _bounces, _shading,
+                                                !_inputs->bySlices() || _inputs->isGlossy()));
 }
 
 /// All that there are now, in the order in which they run.

@@ -2,11 +2,14 @@
 
 #include "gpu/GlConstants.h"
 
+#include <limits>
+
 namespace osgTerrainLight
 {
 
 ComposeNode::ComposeNode(const TileSurface& surface, Resource* direct,
-                         const std::vector<osg::ref_ptr<Resource>>& bounces, Resource* shading)
+                         const std::vector<osg::ref_ptr<Resource>>& bounces, Resource* shading,
+                         bool rings)
     : Node("compose"), _surface(&surface), _bounces(bounces), _pass(own(new GpuPass("compose")))
 {
     const TextureLayout light = surface.perPost(GL_RGBA16F_ARB);
@@ -15,6 +18,7 @@ ComposeNode::ComposeNode(const TileSurface& surface, Resource* direct,
         reads(bounce, light);
     writes(own(shading));
     _pass->set("size", surface.width(), surface.height());
+    _pass->set("least", rings ? 0.0f : std::numeric_limits<float>::lowest());
     _pass->reads("direct", direct);
     _pass->writes(0, shading, GpuPass::Access::ReadWrite);
 }
