@@ -99,18 +99,17 @@ Result<GDALDatasetUniquePtr> openPicture(const std::string& path, const GdalErro
     return picture;
 }
 
-GDALDatasetUniquePtr withoutPalette(GDALDatasetUniquePtr picture)
+/// A view of the picture in colours, which reads from it and must go before it.
+GDALDatasetUniquePtr withoutPalette(GDALDataset& picture)
 {
-    if (!picture->GetRasterBand(1)->GetColorTable())
-        return picture;
     CPLStringList arguments;
     for (const char* argument : {"-of", "VRT", "-expand", "rgba"})
         arguments.AddString(argument);
     GDALTranslateOptions* options = GDALTranslateOptionsNew(arguments.List(), nullptr);
     GDALDatasetUniquePtr expanded(GDALDataset::FromHandle(
-        GDALTranslate("", GDALDataset::ToHandle(picture.get()), options, nullptr)));
+        GDALTranslate("", GDALDataset::ToHandle(&picture), options, nullptr)));
     GDALTranslateOptionsFree(options);
-    return expanded; // holds on to the picture
+    return expanded;
 }
 
 GDALDatasetUniquePtr warped(GDALDataset& picture, const DemTile& tile)
@@ -186,7 +185,9 @@ Result<ColourImage> readColour(const std::string& path, const DemTile& tile, int
     Result<GDALDatasetUniquePtr> opened = openPicture(path, errors);
     if (!opened)
         return opened.error();
-    const GDALDatasetUniquePtr picture = withoutPalette(std::move(*opened));
+    const bool hasPalette = (*opened)->GetRasterBand(1)->GetColorTable() != nullptr;
+    const GDALDatasetUniquePtr expanded = hasPalette ? withoutPalette(**opened) : nullptr;
+    GDALDataset* picture = hasPalette ? expanded.get() : opened->get();
     const GDALDatasetUniquePtr fitted = picture ? warped(*picture, tile) : nullptr;
     if (!fitted)
         return Error{ErrorCode::Failed,
