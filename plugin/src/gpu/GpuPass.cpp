@@ -7,6 +7,7 @@
 #include <osg/Shader>
 
 #include <algorithm>
+#include <regex>
 
 namespace osgTerrainLight
 {
@@ -134,6 +135,13 @@ Status GpuPass::build(osg::State& state)
         osg::ref_ptr<osg::Shader> compute = new osg::Shader(osg::Shader::COMPUTE, shader->text);
         compute->setName(file);
         _program->addShader(compute);
+        // The shader says its blocks' bindings; OSG warns of each that it is not told as well.
+        static const std::regex block(R"(layout\(std140, binding = (\d+)\)\s+uniform\s+(\w+))");
+        const std::string& text = shader->text;
+        for (std::sregex_iterator found(text.begin(), text.end(), block), none; found != none;
+             ++found)
+            _program->addBindUniformBlock((*found)[2],
+                                          static_cast<GLuint>(std::stoul((*found)[1])));
         _parts = shader->parts;
         _revision = revision;
     }

@@ -61,7 +61,10 @@ double GroundPoint::metresPerY() const
 
 double GroundPoint::convergence() const
 {
-    return std::atan2(eastAlongY, northAlongY);
+    // Where columns run north, as in degrees, all that is left is what rounding makes of it.
+    return std::abs(eastAlongY) < 1e-9 * std::abs(northAlongY)
+               ? 0.0
+               : std::atan2(eastAlongY, northAlongY);
 }
 
 MapGround::MapGround(MapGround&&) noexcept = default;
