@@ -489,7 +489,9 @@ TEST(ShaderFunctions, RaysAndGather)
             legendre = glsl.addLegendreSegment(legendre, slice.highest, G::vec3(float(step)), 0.5f);
         }
         if (own > -1e9f)
+        {
             EXPECT_NEAR(found.at(i, 0), own, bound / 30.0);
+        }
         // The horizon is a tangent, of an angle up to 81 degrees: 42 times the sines' error.
         EXPECT_NEAR(found.at(i, 7), slice.highest, bound / 30.0 + 42.0 * sine);
         slice = glsl.closeGather(slice, cap, 0.2f);
