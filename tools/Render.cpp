@@ -183,11 +183,12 @@ private:
     const SkyLight& _from;
 };
 
-/// Switches the viewer's keys off, and with them the clock in the picture.
-class KeysOff : public osg::NodeVisitor
+/// Switches the viewer's keys off, and with them the clock in the picture, and has all light
+/// computed in one frame: a picture that is drawn while light waits looks like one that is done.
+class ForAPicture : public osg::NodeVisitor
 {
 public:
-    KeysOff() : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN) {}
+    ForAPicture() : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN) {}
 
     static LightingHandler* handlerOf(TerrainLighting& lighting)
     {
@@ -200,8 +201,11 @@ public:
     void apply(osg::Group& group) override
     {
         if (auto* lighting = dynamic_cast<TerrainLighting*>(&group))
+        {
             while (auto* keys = handlerOf(*lighting))
                 lighting->removeEventCallback(keys);
+            lighting->setTimeBudget(0.0);
+        }
         traverse(group);
     }
 };
@@ -254,8 +258,8 @@ Status run(const CLI::App& app, Options options)
     (*scene)->accept(bounds);
     if (!bounds.getBoundingBox().valid())
         return Error{ErrorCode::Invalid, options.scene + ": nothing in it has an extent"};
-    KeysOff keysOff;
-    (*scene)->accept(keysOff);
+    ForAPicture forAPicture;
+    (*scene)->accept(forAPicture);
     Progress progress(options.output.quiet);
     progress.reach(0.2);
 
