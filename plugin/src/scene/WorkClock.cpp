@@ -51,7 +51,13 @@ void WorkClock::mark(osg::State& state, double posts)
         return;
     Mark mark;
     mark.posts = posts;
-    gl->glGenQueries(1, &mark.query);
+    if (_queries.empty())
+        gl->glGenQueries(1, &mark.query);
+    else
+    {
+        mark.query = _queries.back();
+        _queries.pop_back();
+    }
     gl->glQueryCounter(mark.query, GL_TIMESTAMP);
     _marks.push_back(mark);
 }
@@ -68,7 +74,7 @@ void WorkClock::collect(osg::State& state)
             return;
         GLuint64 time = 0;
         gl->glGetQueryObjectui64v(mark.query, GL_QUERY_RESULT, &time);
-        gl->glDeleteQueries(1, &mark.query);
+        _queries.push_back(mark.query);
         _marks.pop_front();
         if (mark.posts > 0.0 && time >= _last)
         {

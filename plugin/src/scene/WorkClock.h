@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <deque>
+#include <vector>
 
 namespace osgTerrainLight
 {
@@ -34,10 +35,11 @@ private:
     void mark(osg::State& state, double posts);
     void collect(osg::State& state);
 
-    std::deque<Mark> _marks; ///< whose times have not been read
-    GLuint64 _last = 0;      ///< time of the mark before those [ns]
-    double _perPost = 0.0;   ///< expected [ms], a moving mean
-    double _expected = 0.0;  ///< of this frame's steps [ms]
+    std::deque<Mark> _marks;      ///< whose times have not been read
+    std::vector<GLuint> _queries; ///< to be used again
+    GLuint64 _last = 0;           ///< time of the mark before those [ns]
+    double _perPost = 0.0;        ///< expected [ms], a moving mean
+    double _expected = 0.0;       ///< of this frame's steps [ms]
     unsigned _steps = 0;
     std::chrono::steady_clock::time_point _start;
 };
