@@ -62,9 +62,7 @@ double GroundPoint::metresPerY() const
 double GroundPoint::convergence() const
 {
     // Where columns run north, as in degrees, all that is left is what rounding makes of it.
-    return std::abs(eastAlongY) < 1e-9 * std::abs(northAlongY)
-               ? 0.0
-               : std::atan2(eastAlongY, northAlongY);
+    return std::abs(eastAlongY) < 1e-9 * northAlongY ? 0.0 : std::atan2(eastAlongY, northAlongY);
 }
 
 MapGround::MapGround(MapGround&&) noexcept = default;
