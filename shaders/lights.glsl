@@ -1,5 +1,6 @@
-// Direct light beyond the uniform sky, for the passes that are compiled with it; what
-// the kinds of light in lighting/sources bind. SKY_TABLE: a sky of any radiance. KEY_LIGHTS: area lights. SUN: the sun.
+// Direct light beyond the uniform sky, for the passes that are compiled with it. The kinds of light
+// in lighting/sources bind what it reads. SKY_TABLE: a sky of any radiance. KEY_LIGHTS: area
+// lights. SUN: the sun.
 
 // Irradiance / pi by a sky, over skyRadiance: a number where the sky is uniform, a colour (and
 // skyRadiance is 1) where it has a table.

@@ -1,5 +1,5 @@
-// The shading of posts that light bounces to: direct light and the light of each bounce, one dispatch
-// per bounce. Each sum is rounded to half floats.
+// The shading of posts that light bounces to: direct light and the light of each bounce, one
+// dispatch per bounce. Each sum is rounded to half floats.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D direct;  // rgb = irradiance / pi, a = visible fraction of the sun
