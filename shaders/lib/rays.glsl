@@ -71,13 +71,13 @@ int pyramidLevel(real octaves, int count)
     return max(min(int(floor(octaves + real(0.5001))), count - 1), 0);
 }
 
-// Where a place [posts] is in the texture [texels], for a filtered read.
+// Where a place [posts] on the surface is in the texture [texels], for a filtered read.
 vec2 pyramidTexel(ivec4 level, vec2 place, int number)
 {
     GLSL_ASSERT(number >= 0 && number < 31);
     real side = real(1 << number);
-    return vec2(real(level.x) + clamp(place.x / side, real(0.0), real(level.z - 1)) + real(0.5),
-                real(level.y) + clamp(place.y / side, real(0.0), real(level.w - 1)) + real(0.5));
+    return vec2(real(level.x) + place.x / side + real(0.5),
+                real(level.y) + place.y / side + real(0.5));
 }
 
 // The same in a pyramid of what cells send, whose texels cover 2^n cells each way.

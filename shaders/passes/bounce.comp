@@ -51,20 +51,11 @@ uniform ivec4 radianceLevels[16];
 
 #ifdef DIRECT
 #ifndef FAR
-uniform bool hasSky;
-uniform vec3 skyRadiance; // SKY_TABLE: 1
-
 // Direct irradiance / pi of the corners of the four cells that meet at a post, south-west,
 // south-east, north-west, north-east: each with that cell's normal there. Beside a void: 0.
-struct CornerLight
-{
-    vec3 light[4];
-};
-
-CornerLight lightOfCorners(ivec2 post, Length here, Length east, float visible)
+FourLights lightOfCorners(ivec2 post, Length here, Length east, float visible)
 {
     vec3 normals[4];
-    SkyShare sky[4];
     float whole[4];
     for (int i = 0; i < 4; ++i)
     {
@@ -75,36 +66,27 @@ CornerLight lightOfCorners(ivec2 post, Length here, Length east, float visible)
         normals[i] = normalize(vec3(float(side.x) * whole[i] * (here - besideX) * northSpacing,
                                     float(side.y) * whole[i] * (here - besideY) * east,
                                     east * northSpacing));
-        sky[i] = SkyShare(0.0);
     }
-    float width = 2.0 * PI / float(azimuths);
-    for (int k = 0; k < (hasSky ? azimuths : 0); ++k)
-    {
-        float phi = width * float(k);
-        Angle elevation = elevationOfCode(texelFetch(horizon, ivec3(post, k), 0).x);
-        for (int i = 0; i < 4; ++i)
-            sky[i] += skyShare(elevation, normals[i], cos(phi), sin(phi), width, k);
-    }
-    CornerLight corners;
+    FourLights sky = skyOnPost(horizon, azimuths, post, normals);
+    FourLights corners;
     for (int i = 0; i < 4; ++i)
-        corners.light[i] = whole[i] * skyRadiance * sky[i];
-#ifdef SUN
-    for (int i = 0; i < 4; ++i)
-        corners.light[i] +=
-            whole[i] * sunIrradiance * (visible * max(dot(normals[i], sunDirection), 0.0) / PI);
-#endif
-#ifdef KEY_LIGHTS
-    for (int i = 0; i < 4; ++i)
-        corners.light[i] += whole[i] * keyLight(post, normals[i]);
-#endif
+        corners.light[i] = whole[i] * directLight(post, normals[i], sky.light[i], visible);
     return corners;
 }
 #endif
+#endif
 
-#ifdef SUN
-// What a cell sends out, with the sun's light of one place of it instead of the cell's mean.
+vec3 sentByCell(vec2 place)
+{
+    return texelFetch(radiance, clamp(ivec2(floor(place)), ivec2(0), size - 2), 0).rgb;
+}
+
+#ifdef DIRECT
+// The same with the sun's light of that place of the cell instead of the cell's mean.
 vec3 sentAt(vec2 place, Length east)
 {
+    if (!SUN_IN_CELLS)
+        return sentByCell(place);
     ivec2 cell = clamp(ivec2(floor(place)), ivec2(0), size - 2);
     vec2 inside = clamp(place - vec2(cell), 0.0, 1.0);
     vec4 sent = texelFetch(radiance, cell, 0);
@@ -112,13 +94,16 @@ vec3 sentAt(vec2 place, Length east)
     for (int i = 0; i < 4; ++i)
         corners[i] = postHeight(heights, cell + ivec2(i % 2, i / 2) + frame);
     vec3 normal = cellNormal(corners, inside.x, inside.y, east, northSpacing);
-    float share =
-        discOnCell(sunAboveCorners(cell), inside.x, inside.y, sunRadius, normal, sunDirection);
+    float share = sunInCell(cell, inside, normal);
     ivec2 nearest = min(cell + ivec2(inside + 0.5), textureSize(albedo, 0) - 1);
     vec3 more = texelFetch(albedo, nearest, 0).rgb * sunIrradiance * (share - sent.a);
     return sent.a > 0.0 ? max(sent.rgb + more, 0.0) : vec3(0.0);
 }
-#endif
+#else
+vec3 sentAt(vec2 place, Length east)
+{
+    return sentByCell(place);
+}
 #endif
 
 // The post that light is gathered at.
@@ -139,21 +124,12 @@ struct Slice
     float width;
 };
 
-vec3 sentByCell(vec2 place)
-{
-    return texelFetch(radiance, clamp(ivec2(floor(place)), ivec2(0), size - 2), 0).rgb;
-}
-
 // Sample `i` < nearCount, which reads posts.
 SliceGather addNear(SliceGather gathered, Receiver receiver, Slice slice, int i)
 {
     Length height = heightAtStep(heights, receiver.post, slice.ray, int(samples[i].x), size, frame);
     vec2 between = vec2(receiver.post) + samples[i].z * slice.ray.step;
-#ifdef SUN
     vec3 sent = sentAt(between, receiver.east);
-#else
-    vec3 sent = sentByCell(between);
-#endif
     Slope slope = (height - receiver.here) / (samples[i].x * slice.stepLength);
     return addSegment(gathered, slope, sent, slice.cap, slice.width);
 }
@@ -298,8 +274,8 @@ void main()
     }
     vec3 colour = texelFetch(albedo, min(post, textureSize(albedo, 0) - 1), 0).rgb;
 #ifdef DIRECT
-    CornerLight corners = lightOfCorners(post, receiver.here, receiver.east,
-                                         texelFetch(direct, post, 0).a);
+    float visible = texelFetch(direct, post, 0).a;
+    FourLights corners = lightOfCorners(post, receiver.here, receiver.east, visible);
 #else
     vec3 bounced = texelFetch(lastLight, post, 0).rgb;
 #endif

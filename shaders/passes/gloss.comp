@@ -27,14 +27,9 @@ uniform float northSpacing; // [m]
 
 #ifdef DIRECT
 uniform sampler2D shading; // of which alpha is read, the sun's visible fraction
-uniform bool hasSky;
 #ifdef HARMONICS
 uniform vec3 harmonics[16]; // of the sky's radiance, (l, m) at l (l + 1) + m
-#else
-uniform vec3 skyRadiance;
 #endif
-uniform vec3 sunIrradiance; // 0 where there is none
-uniform vec3 sunDirection;
 
 // The sky above a slope in one azimuth, per colour.
 vec4[3] skySlices(Slope slope, float cosine, float sine)
@@ -157,29 +152,7 @@ ShVector[3] incidentLight(ivec2 post, vec3 normal)
     }
     for (int c = 0; c < 3; ++c)
         incident[c] = shScaleBands(incident[c], vec4(width));
-#ifdef KEY_LIGHTS
-    int layer = 0;
-    for (int i = 0; i < keyCount; ++i)
-        for (int slice = 0; slice < int(keyRadiances[i].a); ++slice)
-        {
-            float across = keyPlaces[i].y;
-            float phi = keyPlaces[i].x - across * float(slice);
-            Slope plane = planeSlope(normal, cos(phi), sin(phi));
-            Angle elevation = elevationOfCode(texelFetch(keyHorizon, ivec3(post, layer), 0).x);
-            vec2 hidden = risingDirection(max(tan(clamp(elevation, -1.57, 1.57)), plane));
-            vec2 lowest = vec2(cos(keyPlaces[i].z), sin(keyPlaces[i].z));
-            vec2 highest = vec2(cos(keyPlaces[i].w), sin(keyPlaces[i].w));
-            // Integrals of cos(m azimuth) over the slice's width.
-            vec4 even = vec4(across, 2.0 * sin(0.5 * across), sin(across),
-                             2.0 / 3.0 * sin(1.5 * across));
-            AzimuthTerms terms = weighTerms(azimuthTerms(cos(phi), sin(phi)), even, vec4(0.0));
-            vec4 visible = visibleBetween(hidden, lowest, highest);
-            for (int c = 0; c < 3; ++c)
-                incident[c] = addSlice(incident[c], keyRadiances[i][c] * visible, terms);
-            ++layer;
-        }
-#endif
-    return incident;
+    return addDirectHarmonics(incident, post, normal);
 }
 
 // own: gloss, exponent

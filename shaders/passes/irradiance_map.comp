@@ -8,8 +8,6 @@ uniform float bands[6]; // what the kernel multiplies each band by
 #ifdef DISC
 // Elevation of the horizon [rad] towards the disc's left, centre and right: three texels.
 uniform sampler2D sunHorizon;
-uniform float sunElevation; // [rad]
-uniform float sunRadius;    // [rad]
 
 float alpha()
 {
@@ -19,7 +17,6 @@ float alpha()
     return visibleDiscFractionAcross(above.x, above.y, above.z, sunRadius);
 }
 #else
-uniform float sunOff; // alpha
 
 float alpha()
 {

@@ -20,10 +20,7 @@ layout(rgba16f, binding = 0) writeonly uniform image2D light;
 #ifdef HARMONICS
 // R32F: row of coefficient i; column 3 j + colour: visibility j's share in it
 uniform sampler2D skyProduct;
-#else
-uniform vec3 skyRadiance;
 #endif
-uniform float sunOff; // alpha where no key slice is the sun's
 #else
 uniform sampler2D radiance; // what blocks send out: radiance times weight, weight
 uniform sampler2D radiancePyramid; // RGBA16F, likewise

@@ -25,7 +25,6 @@ uniform vec2 spacings; // [m] of columns and rows
 uniform vec2 place;    // column and row of the probe, with fractions
 uniform float height;  // [m]
 uniform bool aboveGround;
-uniform vec3 skyRadiance; // without a picture
 uniform vec3 sunAzimuths; // [rad], counter-clockwise from east
 uniform int keyLightCount; // 0 ... 8
 // Of each key light: azimuth of its middle [rad, counter-clockwise from east], half its width,

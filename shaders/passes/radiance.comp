@@ -22,8 +22,6 @@ uniform sampler2D eastSpacings; // R32F [m], one texel per row
 uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k/m from east
 uniform int azimuths;
 uniform float northSpacing; // [m]
-uniform vec3 skyRadiance;   // 0 where there is none; SKY_TABLE: 1
-uniform bool hasSky;
 #endif
 
 vec3 albedoOf(ivec2 post)
@@ -60,40 +58,11 @@ void main()
     Length east = 0.5 * (texelFetch(eastSpacings, ivec2(0, cell.y), 0).x +
                          texelFetch(eastSpacings, ivec2(0, cell.y + 1), 0).x);
     vec3 normal = cellNormal(corners, 0.5, 0.5, east, northSpacing);
-    #ifdef KEY_LIGHTS
-    for (int i = 0; i < 4; ++i)
-    {
-        ivec2 corner = ivec2(i % 2, i / 2);
-        vec3 there = cellNormal(corners, float(corner.x), float(corner.y), east, northSpacing);
-        received += 0.25 * keyLight(cell + corner, there);
-    }
-#endif
-#ifdef SUN
-    vec4 above = sunAboveCorners(cell);
-    mark = 0.0;
-    for (int i = 0; i < 16; ++i)
-    {
-        vec2 place = (vec2(i % 4, i / 4) + 0.5) / 4.0;
-        vec3 there = cellNormal(corners, place.x, place.y, east, northSpacing);
-        mark += discOnCell(above, place.x, place.y, sunRadius, there, sunDirection) / 16.0;
-    }
-    received += sunIrradiance * mark;
-    mark = max(mark, exp2(-14.0));
-#endif
+    float sun = sunOnCell(cell, corners, east, northSpacing);
+    received = directLightOnCell(cell, corners, east, northSpacing, sun);
+    mark = SUN_IN_CELLS ? max(sun, exp2(-14.0)) : 1.0;
     if (hasSky)
-    {
-        float width = 2.0 * PI / float(azimuths);
-        SkyShare sum = SkyShare(0.0);
-        for (int k = 0; k < azimuths; ++k)
-        {
-            float code = 0.0;
-            for (int i = 0; i < 4; ++i)
-                code += 0.25 * texelFetch(horizon, ivec3(cell + ivec2(i % 2, i / 2), k), 0).x;
-            float phi = width * float(k);
-            sum += skyShare(elevationOfCode(code), normal, cos(phi), sin(phi), width, k);
-        }
-        received += skyRadiance * sum;
-    }
+        received += skyOnCell(horizon, azimuths, cell, normal);
 #endif
     imageStore(radiance, cell, vec4(roundedToHalf(colour * received), roundedToHalf(vec3(mark)).x));
 }

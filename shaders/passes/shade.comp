@@ -10,9 +10,6 @@ layout(rgba16f, binding = 0) writeonly uniform image2D shading;
 uniform ivec2 size; // posts
 uniform int frame;
 uniform float northSpacing; // [m]
-uniform bool hasSky;
-uniform vec3 skyRadiance; // SKY_TABLE: 1
-uniform float sunOff;       // alpha without the SUN: 1 switched off, 0 below the horizontal
 
 void main()
 {
@@ -24,21 +21,12 @@ void main()
         imageStore(shading, post, vec4(0.0));
         return;
     }
-    vec3 light = vec3(0.0);
-    float visible = sunOff;
+    vec3 normal = postNormal(heights, post + frame,
+                             texelFetch(eastSpacings, ivec2(0, post.y), 0).x, northSpacing);
+    vec3 sky = vec3(0.0);
     if (hasSky)
-        light += skyRadiance * SkyShare(texelFetch(skyView, post, 0));
-#ifdef KEY_LIGHTS
-    light +=
-        keyLight(post, postNormal(heights, post + frame,
-                                  texelFetch(eastSpacings, ivec2(0, post.y), 0).x, northSpacing));
-#endif
-#ifdef SUN
-    visible = visibleDiscFractionAcross(sunAbove(post, 0), sunAbove(post, 1), sunAbove(post, 2),
-                                        sunRadius);
-    vec3 normal = postNormal(heights, post + frame, texelFetch(eastSpacings, ivec2(0, post.y), 0).x,
-                             northSpacing);
-    light += sunIrradiance * (visible * max(dot(normal, sunDirection), 0.0) / PI);
-#endif
+        sky += skyRadiance * SkyShare(texelFetch(skyView, post, 0));
+    float visible = sunVisible(post);
+    vec3 light = directLight(post, normal, sky, visible);
     imageStore(shading, post, vec4(roundedToHalf(light), roundedToHalf(vec3(visible)).x));
 }

@@ -6,7 +6,6 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = 0) writeonly uniform image2D sky;
 #ifdef CLEAR
 // As in ClearSky.
-uniform vec3 sunDirection;
 uniform vec4 luminance;
 uniform vec4 x;
 uniform vec4 y;
@@ -14,7 +13,6 @@ uniform vec3 e;
 uniform vec3 zenith;
 uniform vec3 gain;
 #else
-uniform vec3 skyRadiance; // at the zenith
 uniform bool overcast;
 #endif
 

@@ -514,6 +514,7 @@ TEST(ShaderFunctions, RaysAndGather)
         const G::vec2 read2(100.0f * share, share);
         const float slope = glsl.slopeOfRise(glsl.pyramidRise(read2, 60.0f), 3.0f, 30.0f);
         EXPECT_EQ(glsl.isVoid(found.at(i, 16)), glsl.isVoid(glsl.pyramidHeight(read2)));
+        EXPECT_EQ(found.at(i, 17) < -1e9f, slope < -1e9f);
         if (share > 0.5f)
         {
             EXPECT_NEAR(found.at(i, 16), 100.0, 400.0 * ulp);

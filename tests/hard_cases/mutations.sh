@@ -91,12 +91,48 @@ mutate sweep-overflow passes/horizon_sweep.comp 's/vertices > HULL_CAPACITY - CH
 mutate code-rounding lib/angle.glsl 's/ \+ real\(0\.5\)\) \+ real\(32768/) + real(32768/'
 mutate code-sign lib/angle.glsl 's/slope < real\(0\.0\) \? -angle : angle/angle/'
 mutate azimuth-off-by-one passes/sky_view.comp 's/float\(k\);/float(k + 1);/'
-mutate sun-edge-below-level lights.glsl \
+mutate sun-edge-below-level lights/sun.glsl \
   's/max\(elevationOfCode\((.*)\), 0\.0\);/elevationOfCode(\1);/'
-mutate sun-behind passes/shade.comp 's/max\(dot\(normal, sunDirection\), 0\.0\)/abs(dot(normal, sunDirection))/'
+mutate sun-behind lights/sun.glsl 's/max\(dot\(normal, sunDirection\), 0\.0\)/abs(dot(normal, sunDirection))/'
 mutate shade-void passes/shade.comp 's/if \(isVoid\(postHeight\(heights, post \+ frame\)\)\)/if (false)/'
 mutate compose-last-bounce passes/compose.comp 's/before\.rgb \+ light/light/' \
   'gpu_tests:BounceClosedForm.*'
+
+# The walk along a ray and the gather of a slice: against the same functions on the CPU, which
+# glsl_tests hold to closed forms.
+rays()
+{
+  mutate "$1" lib/rays.glsl "$2" gpu_tests:ShaderFunctions.RaysAndGather
+}
+gather()
+{
+  mutate "$1" lib/gather.glsl "$2" gpu_tests:ShaderFunctions.RaysAndGather
+}
+rays ray-side 's/ray\.drift < real\(0\.0\) \? .*;/ray.minor;/'
+rays ray-step 's/vec2\(ray\.drift, real\(look\)\)/vec2(real(look), ray.drift)/'
+rays ray-crossing 's/offset - whole\)/real(0.0))/'
+rays ray-outside 's/return inside && !isVoid/return !isVoid/'
+rays own-cell-drift 's/abs\(ray\.drift\) \* \(beside/ray.drift * (beside/'
+rays surface-edge 's/place\.y <= real\(size\.y - 1\) \+ room/true/'
+rays pyramid-level-half 's/real\(0\.5001\)/real(0.0)/'
+rays pyramid-texel-centre 's/place\.x \/ side \+ real\(0\.5\)/place.x \/ side/'
+rays cell-pyramid-edge 's/clamp\(place\.x \/ side, real\(0\.5\)/clamp(place.x \/ side, real(0.0)/'
+rays pyramid-void 's/read\.y > real\(0\.5\)/read.y > real(0.1)/'
+rays pyramid-rise 's/read\.x - here \* read\.y/read.x - here/'
+rays rise-void 's/rise\.y > real\(0\.5\)/rise.y > real(0.1)/'
+rays code-slope 's/real\(-1\.57\), real\(1\.57\)/real(-1.0), real(1.0)/'
+rays plane-sign 's/return -\(normal/return (normal/'
+gather raised-cap 's/min\(slope, cap\)/slope/'
+gather raised-hidden 's/slope > highest \? (max.*) : highest;/min(slope, cap);/'
+gather gather-start 's/slice\.moments = sliceMoments\(plane/slice.moments = sliceMoments(real(0.0)/'
+gather gather-outward 's/slice\.moments\.y - next\.moments\.y/next.moments.y - slice.moments.y/'
+gather gather-last 's/slope > slice\.highest \? sent : slice\.last/sent/'
+gather gather-crest 's/addSegment\(slice, cap,/addSegment(slice, slice.highest,/'
+mutate gather-count lib/gather.glsl 's/next\.upward = vec3\(.*\);/next.upward = slice.upward;/' \
+  'gpu_tests:BounceClosedForm.SubsampledBowl'
+gather legendre-start 's/occlusionBelow\(risingDirection\(plane\)\)/occlusionBelow(vec2(1.0, 0.0))/'
+gather legendre-weight 's/ \/ weight//'
+gather legendre-below 's/next\.below - slice\.below/next.below/'
 
 [[ $count -gt 0 ]] || complain "no mutation of the name ${wanted[*]}"
 echo "$count mutations, $failed failed"

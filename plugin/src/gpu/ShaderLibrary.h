@@ -42,8 +42,8 @@ public:
     /// Text of one file, by its path below shaders/.
     Result<std::string> source(const std::string& name) const;
 
-    /// preamble.glsl, one "#define" per define, every file that lib/all.glsl lists, lights.glsl,
-    /// then the file itself.
+    /// preamble.glsl, one "#define" per define, every file that lib/all.glsl lists, the kinds of
+    /// light in lights/ (which do not know each other), lights.glsl, then the file itself.
     Result<ComposedShader> compose(const std::string& name,
                                    const std::vector<std::string>& defines = {}) const;
 

@@ -67,7 +67,8 @@ struct OSGTERRAINLIGHT_EXPORT TileValues
     SkyLight lightInHarmonics() const;
 };
 
-/// What the skyRadiance of shaders/lights.glsl is: what the sky's share of light is multiplied by.
+/// What the skyRadiance of shaders/lights/sky.glsl is: what the sky's share of light is multiplied
+/// by.
 OSGTERRAINLIGHT_EXPORT Rgb skyGain(const SkyLight& sky);
 
 /// What a tile is lit with, for its nodes, and resources that say when it has changed.

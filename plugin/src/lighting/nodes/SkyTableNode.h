@@ -28,7 +28,7 @@ public:
     /// The table of a sky of whichever kind; of a uniform one, too.
     Status run(osg::State& state) override;
 
-    /// RGBA32F, azimuths × 3 (rows + 1): lights.glsl says what of.
+    /// RGBA32F, azimuths × 3 (rows + 1): lights/sky.glsl says what of.
     Resource* table() const { return _table; }
 
     /// RGBA32F, radiance: columns counter-clockwise from east, rows upwards from the horizontal.

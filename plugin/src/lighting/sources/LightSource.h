@@ -13,7 +13,7 @@ namespace osgTerrainLight
 {
 
 /// A kind of light: what it needs computed for it, and how passes read it. The shaders' side is a
-/// block of shaders/lights.glsl, compiled in by a define.
+/// file in shaders/lights/, compiled in by a define, with a line in each function of lights.glsl.
 class LightSource : public osg::Referenced
 {
 public:
