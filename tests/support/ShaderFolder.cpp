@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <system_error>
 
 #include <unistd.h>
 
@@ -25,8 +26,16 @@ namespace
 class Folder : public testing::Environment
 {
 public:
-    // Here, not in SetUp: the library reads the variable once, at its first use.
-    Folder() { setenv("OSGTERRAINLIGHT_SHADERS", shaderFolder().c_str(), 1); }
+    // Here, not in SetUp: the library reads the variable once, at its first use. What a folder that
+    // the caller names holds, a planted fault of mutations.sh, counts here too.
+    Folder()
+    {
+        std::error_code missing; // the folder of a program that starts this one may not be there
+        if (const char* const theirs = getenv("OSGTERRAINLIGHT_SHADERS"))
+            std::filesystem::copy(theirs, shaderFolder(), std::filesystem::copy_options::recursive,
+                                  missing);
+        setenv("OSGTERRAINLIGHT_SHADERS", shaderFolder().c_str(), 1);
+    }
     void TearDown() override { std::filesystem::remove_all(shaderFolder()); }
 };
 [[maybe_unused]] const testing::Environment* const environment =

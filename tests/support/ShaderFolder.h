@@ -6,7 +6,8 @@ namespace osgTerrainLight
 {
 
 /// Folder that this program's shader library takes overrides from: a new one per process, named in
-/// OSGTERRAINLIGHT_SHADERS before main() and removed after the tests. Empty unless a test writes.
+/// OSGTERRAINLIGHT_SHADERS before main() and removed after the tests. It begins with what the
+/// folder holds that the caller named so, and is empty otherwise unless a test writes.
 const std::string& shaderFolder();
 
 /// A file in shaderFolder() while the object lives: an override, or a pass of a test's own.
