@@ -260,11 +260,9 @@ void shade(ivec2 post, Incident incident, vec3 normal)
 const int SHADED = 7; // blocks a side
 shared vec4 gathered[64][7]; // 27 coefficients, then the sun's visible part
 shared vec4 places[64];      // the post, its height [m], 1 where there is one
-#endif
 
 void main()
 {
-#ifdef SUBSAMPLED
     ivec2 local = ivec2(gl_LocalInvocationID.xy);
     int own = int(gl_LocalInvocationIndex);
     ivec2 corner = ivec2(gl_WorkGroupID.xy) * SHADED;
@@ -336,7 +334,10 @@ void main()
         incident.sun = sum[6].w / weights;
         shade(post, incident, normal);
     }
+}
 #else
+void main()
+{
     ivec2 post = ivec2(gl_GlobalInvocationID.xy);
     if (post.x >= size.x || post.y >= size.y)
         return;
@@ -356,5 +357,5 @@ void main()
 #ifdef SENDS_ON
     imageStore(blockLight, post, vec4(roundedToHalf(received(incident, normal)), 1.0));
 #endif
-#endif
 }
+#endif
