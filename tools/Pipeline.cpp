@@ -145,11 +145,11 @@ Status Gpu::finish() const
 
 Result<Gpu> openGpu(int width, int height)
 {
-    Result<std::unique_ptr<HeadlessContext>> context = HeadlessContext::create(width, height);
-    if (!context)
-        return context.error();
     Gpu gpu;
-    gpu.context = std::move(*context);
+    std::string problem;
+    gpu.context = HeadlessContext::create(width, height, problem);
+    if (!gpu.context)
+        return Error{ErrorCode::NotSupported, problem};
     Result<GpuCapabilities> capabilities = GpuCapabilities::query(gpu.state());
     if (!capabilities)
         return capabilities.error();

@@ -7,10 +7,10 @@
 #include "Options.h"
 #include "core/Raster.h"
 #include "gpu/GpuCapabilities.h"
-#include "gpu/HeadlessContext.h"
 #include "io/RasterWriter.h"
 #include "lighting/SettingsTrial.h"
 #include "lighting/TileLight.h"
+#include <osgTerrainLight/HeadlessContext.h>
 
 #include <memory>
 

@@ -1,8 +1,8 @@
 // Ground whose heights change in every frame, with its light. See usage() below.
-#include "Headless.h"
 #include "Heights.h"
 
 #include <osgTerrainLight/DynamicTerrain.h>
+#include <osgTerrainLight/HeadlessContext.h>
 #include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
@@ -18,6 +18,7 @@
 #include <cmath>
 #include <iostream>
 #include <limits>
+#include <memory>
 
 using namespace osgTerrainLight;
 
@@ -134,13 +135,15 @@ int drawFrames(osgViewer::Viewer& viewer, const TerrainLighting& lighting, const
 {
     constexpr int width = 640;
     constexpr int height = 480;
-    const osg::ref_ptr<osgViewer::GraphicsWindowEmbedded> window =
-        createHeadlessWindow(width, height);
-    if (!window)
+    std::string problem;
+    const std::unique_ptr<HeadlessContext> context =
+        HeadlessContext::create(width, height, problem);
+    if (!context)
     {
-        std::cerr << "no OpenGL context without a window\n";
-        return 1;
+        std::cerr << problem << '
+'; return 1;
     }
+    osgViewer::GraphicsWindowEmbedded* window = context->window();
     viewer.setThreadingModel(osgViewer::ViewerBase::SingleThreaded);
     viewer.setReleaseContextAtEndOfFrameHint(false);
     osg::Camera& camera = *viewer.getCamera();

@@ -3,10 +3,10 @@
 // maps, and under an environment. Wall
 // clock, ended by glFinish. The rate counts posts times azimuths, or maps.
 #include "core/SyntheticTerrain.h"
-#include "gpu/HeadlessContext.h"
 #include "lighting/TileLight.h"
 #include "lighting/nodes/EnvironmentHarmonicsPass.h"
 #include <osgTerrainLight/Environment.h>
+#include <osgTerrainLight/HeadlessContext.h>
 
 #include <benchmark/benchmark.h>
 
@@ -18,11 +18,11 @@ namespace
 {
 HeadlessContext* context()
 {
-    static const auto created = HeadlessContext::create();
-    if (created)
-        return created->get();
-    std::fprintf(stderr, "%s\n", created.error().message.c_str());
-    return nullptr;
+    static std::string problem;
+    static const auto created = HeadlessContext::create(16, 16, problem);
+    if (!created)
+        std::fprintf(stderr, "%s\n", problem.c_str());
+    return created.get();
 }
 
 /// Re-runs all stages after a touch, and counts the time of the one named.

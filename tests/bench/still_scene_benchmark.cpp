@@ -3,8 +3,8 @@
 // viewer's statistics.
 #include <osgTerrainLight/TerrainLighting.h>
 
-#include "gpu/HeadlessContext.h"
 #include "scene/TerrainModel.h"
+#include <osgTerrainLight/HeadlessContext.h>
 
 #include <osg/MatrixTransform>
 #include <osgViewer/Viewer>
@@ -43,17 +43,18 @@ void stillScene(benchmark::State& state, osg::Group* scene)
 {
     const osg::ref_ptr<osg::Group> root = scene;
     fill(*root);
-    Result<std::unique_ptr<HeadlessContext>> context = HeadlessContext::create(64, 64);
+    std::string problem;
+    const std::unique_ptr<HeadlessContext> context = HeadlessContext::create(64, 64, problem);
     if (!context)
     {
-        state.SkipWithError(context.error().message.c_str());
+        state.SkipWithError(problem.c_str());
         return;
     }
     const osg::ref_ptr<osgViewer::Viewer> viewer = new osgViewer::Viewer;
     viewer->setThreadingModel(osgViewer::ViewerBase::SingleThreaded);
     viewer->setReleaseContextAtEndOfFrameHint(false);
     osg::Camera& camera = *viewer->getCamera();
-    camera.setGraphicsContext((*context)->window());
+    camera.setGraphicsContext(context->window());
     camera.setViewport(0, 0, 64, 64);
     camera.setProjectionMatrixAsOrtho(-2000.0, 2000.0, -2000.0, 2000.0, 1.0, 1.0e6);
     camera.setViewMatrixAsLookAt(osg::Vec3d(0.0, 0.0, 5.0e5), osg::Vec3d(),
@@ -79,8 +80,8 @@ void stillScene(benchmark::State& state, osg::Group* scene)
         benchmark::Counter(1.0e6 * updates, benchmark::Counter::kAvgIterations);
     state.counters["cull_us"] =
         benchmark::Counter(1.0e6 * culls, benchmark::Counter::kAvgIterations);
-    (*context)->makeCurrent();
-    root->releaseGLObjects(&(*context)->state());
+    context->makeCurrent();
+    root->releaseGLObjects(&context->state());
 }
 
 void StillTilesInAGroup(benchmark::State& state)

@@ -1,7 +1,7 @@
 #include "core/SyntheticTerrain.h"
-#include "gpu/HeadlessContext.h"
 #include "lighting/TileLight.h"
 #include "support/GlContext.h"
+#include <osgTerrainLight/HeadlessContext.h>
 
 #include <gtest/gtest.h>
 
@@ -316,8 +316,9 @@ TEST(BounceInterval, CostsNoTexture)
 TEST(BounceInterval, EachContextGoesItsOwnPace)
 {
     OTL_NEED_GL(first);
-    const std::unique_ptr<HeadlessContext> second =
-        std::move(HeadlessContext::create(16, 16).value());
+    std::string problem;
+    const std::unique_ptr<HeadlessContext> second = HeadlessContext::create(16, 16, problem);
+    ASSERT_TRUE(second) << problem;
     const osg::ref_ptr<TileLight> lighting = new TileLight(terrain(), settingsOf(2, 3), sunAt(0.0));
     // The second context sees every second light only.
     for (int step = 0; step <= 8; ++step)

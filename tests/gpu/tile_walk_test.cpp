@@ -1,9 +1,9 @@
 // A tile that has come to its state by any path is the tile that was made with it.
 #include "core/SyntheticTerrain.h"
-#include "gpu/HeadlessContext.h"
 #include "lighting/TileLight.h"
 #include "support/GlContext.h"
 #include <osgTerrainLight/Environment.h>
+#include <osgTerrainLight/HeadlessContext.h>
 
 #include <osg/GLExtensions>
 
@@ -289,8 +289,9 @@ TEST(TileWalk, EndsWhereAFreshTileBegins)
 {
     OTL_NEED_GL(shared);
     // Of its own: the test looks at all its programs.
-    const std::unique_ptr<HeadlessContext> context =
-        std::move(HeadlessContext::create(16, 16).value());
+    std::string problem;
+    const std::unique_ptr<HeadlessContext> context = HeadlessContext::create(16, 16, problem);
+    ASSERT_TRUE(context) << problem;
     context->makeCurrent();
     osg::State& gl = context->state();
     for (unsigned seed = 1; seed <= 6; ++seed)

@@ -24,6 +24,11 @@ if grep -r -F -l -e "$build/" --include='*.cmake' "$prefix"; then
   fail "the package names its build folder"
 fi
 
+libraries=("$prefix"/lib*/libosgTerrainLight.so "$prefix"/lib*/*/libosgTerrainLight.so)
+for library in "${libraries[@]}"; do
+  [[ ! -f $library ]] || "$here/check_exports.py" "$library" "$prefix/include"
+done
+
 "$cmake" -S "$here/consumer" -B "$work/consumer" -DCMAKE_PREFIX_PATH="$prefix" \
   -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=Debug \
   -DCMAKE_FIND_USE_PACKAGE_REGISTRY=OFF

@@ -420,8 +420,9 @@ TEST(DynamicHeights, AChangeRunsEachStageOnceAndNoChangeNone)
 TEST(DynamicHeights, EachContextHasTheNewestAndAnotherThreadMaySetThem)
 {
     OTL_NEED_GL(first);
-    const std::unique_ptr<HeadlessContext> second =
-        std::move(HeadlessContext::create(16, 16).value());
+    std::string problem;
+    const std::unique_ptr<HeadlessContext> second = HeadlessContext::create(16, 16, problem);
+    ASSERT_TRUE(second) << problem;
     ASSERT_NE(first->state().getContextID(), second->state().getContextID());
     const osg::ref_ptr<TileLight> lighting = lightingOf(analytic::plane(16, 12, spacing, 0.0));
     for (unsigned seed = 1; seed < 4; ++seed)

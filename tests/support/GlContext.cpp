@@ -36,13 +36,14 @@ HeadlessContext* sharedGlContext(std::string& reason)
     if (!here.tried)
     {
         here.tried = true;
-        Result<std::unique_ptr<HeadlessContext>> made = HeadlessContext::create();
-        if (!made)
-            here.reason = made.error().message;
-        else if (const auto found = GpuCapabilities::query((*made)->state()); !found)
+        here.context = HeadlessContext::create(16, 16, here.reason);
+        const auto found = here.context ? GpuCapabilities::query(here.context->state())
+                                        : Result<GpuCapabilities>(GpuCapabilities());
+        if (!found)
+        {
             here.reason = found.error().message;
-        else
-            here.context = std::move(*made);
+            here.context = nullptr;
+        }
     }
     reason = here.reason;
     if (here.context && !here.context->makeCurrent())

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "gpu/GpuCapabilities.h"
-#include "gpu/HeadlessContext.h"
+#include <osgTerrainLight/HeadlessContext.h>
 
 #include <gtest/gtest.h>
 

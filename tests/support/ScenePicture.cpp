@@ -7,9 +7,17 @@
 namespace osgTerrainLight
 {
 
+namespace
+{
+std::unique_ptr<HeadlessContext> newContext()
+{
+    std::string problem;
+    return HeadlessContext::create(ScenePicture::size, ScenePicture::size, problem);
+}
+} // namespace
+
 ScenePicture::ScenePicture(osg::Node* scene, double halfSide)
-    : _context(std::move(HeadlessContext::create(size, size).value())),
-      _viewer(new osgViewer::Viewer)
+    : _context(newContext()), _viewer(new osgViewer::Viewer)
 {
     HeadlessContext& context = *_context;
     context.state().setCheckForGLErrors(osg::State::ONCE_PER_ATTRIBUTE);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "gpu/HeadlessContext.h"
+#include <osgTerrainLight/HeadlessContext.h>
 
 #include <osg/Node>
 #include <osg/Notify>

@@ -9,8 +9,7 @@
 #include <osg/Texture2D>
 
 #include <functional>
-#include <utility>
-#include <vector>
+#include <memory>
 
 namespace osgTerrainLight
 {
@@ -41,7 +40,7 @@ public:
     /// lit.
     using HeightCallback = std::function<bool(double time, int width, int height, float* heights)>;
 
-    /// Texture unit of the heights, for the vertex shader.
+    /// Texture unit of the heights where none is asked for.
     static constexpr unsigned heightUnit = 6;
     /// sampler2D: the texture in it.
     static constexpr const char* heightSampler = "osgTerrainLight_heights";
@@ -49,15 +48,14 @@ public:
     DynamicTerrain();
     /// Spacings and first heights are the tile's. Tiles of fewer than 2 × 2 posts draw nothing.
     explicit DynamicTerrain(const DemTile& tile);
+    /// A copy has the same tile, heights, callback, range and units, a mesh and a height texture of
+    /// its own, but the same texture of the host; it has not been added to a lighting.
     DynamicTerrain(const DynamicTerrain& other,
                    const osg::CopyOp& copyop = osg::CopyOp::SHALLOW_COPY);
-    META_Node(osgTerrainLight, DynamicTerrain)
+    META_Node(osgTerrainLight, DynamicTerrain);
 
-        /// As it was made; never changes.
-        const DemTile& getTile() const
-    {
-        return _tile;
-    }
+    /// As it was made; never changes.
+    const DemTile& getTile() const;
 
     /// Empty: heights stay as they are.
     void setHeightCallback(HeightCallback callback);
@@ -70,19 +68,24 @@ public:
     bool setHeightTexture(osg::Texture2D* texture);
 
     /// The height texture's content has changed, or will have when the next frame is drawn.
-    void dirtyHeights() { ++_revision; }
+    void dirtyHeights();
 
     /// Heights between which it is drawn [m above heightOrigin], lowest <= highest, for culling and
     /// near and far plane. Without it: the range of all heights that it has had from tile and
     /// callback; so a host with a texture gives it.
     void setHeightRange(float lowest, float highest);
 
+    /// Texture unit of the heights, for the vertex shader, 0 … 31. Default heightUnit.
+    /// TerrainLighting refuses terrain whose heights are in the unit of its shading.
+    void setHeightUnit(unsigned unit);
+    unsigned getHeightUnit() const;
+
     /// What the mesh and its lighting read: the host's texture, else one of ours.
     osg::Texture2D* getHeightTexture() const;
     /// Counts changes of heights.
-    unsigned getHeightRevision() const { return _revision; }
+    unsigned getHeightRevision() const;
 
-    osg::BoundingBox getBoundingBox() const { return _box; }
+    osg::BoundingBox getBoundingBox() const;
 
     void traverse(osg::NodeVisitor& visitor) override;
     void releaseGLObjects(osg::State* state = nullptr) const override;
@@ -96,15 +99,8 @@ private:
     void include(float lowest, float highest);
     void follow(osg::NodeVisitor& visitor);
 
-    DemTile _tile;
-    HeightCallback _callback;
-    std::vector<float> _heights;
-    osg::ref_ptr<osg::Texture2D> _own, _theirs;
-    osg::ref_ptr<osg::Uniform> _hasColour;
-    osg::BoundingBox _box;
-    bool _rangeGiven = false;
-    unsigned _revision = 0;
-    std::pair<unsigned, double> _lastFrame{~0u, 0.0}; ///< number and reference time
+    struct Implementation;
+    std::unique_ptr<Implementation> _implementation;
 };
 
 /// terrain_heights.glsl as a shader that a host adds to its program and calls:

@@ -7,6 +7,8 @@
 #include <osg/StateSet>
 #include <osg/TextureCubeMap>
 
+#include <memory>
+
 namespace osgTerrainLight
 {
 
@@ -25,7 +27,7 @@ class OSGTERRAINLIGHT_EXPORT LightProbe : public osg::Referenced
 public:
     LightProbe();
 
-    /// Texture units of the maps, and their samplerCube.
+    /// Texture units of the maps where none are asked for, and their samplerCube.
     static constexpr unsigned diffuseUnit = 4;
     static constexpr unsigned glossyUnit = 3;
     static constexpr const char* diffuseSampler = "osgTerrainLight_probeDiffuse";
@@ -36,45 +38,43 @@ public:
     /// Metres from the tile's south-western post to east and north; beyond the tile its edge
     /// counts. Default (0, 0). What is not finite is refused with a warning.
     void setPlace(double east, double north);
-    double getEast() const { return _east; }
-    double getNorth() const { return _north; }
+    double getEast() const;
+    double getNorth() const;
 
     /// Metres above the ground, ≥ 0, or above the tile's heightOrigin, where a place below the
     /// ground is moved up to it. Default 1 m above the ground. Others are refused with a warning.
     void setHeight(double metres, bool aboveGround = true);
-    double getHeight() const { return _height; }
-    bool isAboveGround() const { return _aboveGround; }
+    double getHeight() const;
+    bool isAboveGround() const;
 
     /// Of the glossy map's lobe, (s + 1) / 2π cosˢ: s, 1 … 64. Default 16. Beyond about 18 the lobe
     /// is blunter than it is asked to be, as harmonics are of order 6. Others are refused with a
     /// warning.
     void setExponent(double exponent);
-    double getExponent() const { return _exponent; }
+    double getExponent() const;
+
+    /// Of the maps, 0 … 31 and different. Others are refused with a warning.
+    void setTextureUnits(unsigned diffuse, unsigned glossy);
 
     /// For the object's node, or above it: textures, samplers, exponent, and that cube maps are
     /// filtered across edges. The same as long as the probe lives.
-    osg::StateSet* getStateSet() const { return _stateSet; }
+    osg::StateSet* getStateSet() const;
 
     /// RGBA16F, 16² a face: rgb = irradiance / π of a surface that faces each direction (x east, y
     /// north, z up), a = visible fraction of the sun.
-    osg::TextureCubeMap* getDiffuseMap() const { return _diffuse; }
+    osg::TextureCubeMap* getDiffuseMap() const;
     /// The same of radiance through the lobe about each direction.
-    osg::TextureCubeMap* getGlossyMap() const { return _glossy; }
+    osg::TextureCubeMap* getGlossyMap() const;
 
     /// Grows with every change of place, height or exponent.
-    unsigned getRevision() const { return _revision; }
+    unsigned getRevision() const;
 
 protected:
     ~LightProbe() override;
 
 private:
-    double _east = 0.0, _north = 0.0;
-    double _height = 1.0;
-    bool _aboveGround = true;
-    double _exponent = 16.0;
-    unsigned _revision = 0;
-    osg::ref_ptr<osg::TextureCubeMap> _diffuse, _glossy;
-    osg::ref_ptr<osg::StateSet> _stateSet;
+    struct Implementation;
+    std::unique_ptr<Implementation> _implementation;
 };
 
 /// terrain_probe.glsl as a shader that a host adds to its program and calls: vec3

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 namespace osgTerrainLight
 {
 
@@ -13,12 +11,12 @@ struct MapDirection
 };
 
 /// Direction of a compass azimuth (degrees clockwise from north). Exact at multiples of 90°.
-OSGTERRAINLIGHT_EXPORT MapDirection directionOfCompass(double degrees);
+MapDirection directionOfCompass(double degrees);
 
 /// The m equally spaced azimuths that horizons are stored for, and the only place that converts
 /// between the two ways to count them: inside, φ_k = 2πk/m counter-clockwise from east (index k);
 /// for people, degrees clockwise from north (band 0, 1, … from north).
-class OSGTERRAINLIGHT_EXPORT AzimuthSet
+class AzimuthSet
 {
 public:
     /// count: a multiple of 4, 4 … 256.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/SkyLight.h>
 
 #include "glsl_host.h"
@@ -16,14 +15,14 @@ namespace osgTerrainLight
 
 /// Air between the ground and the sun, over that up to the zenith (Kasten and Young 1989, Eq. 3).
 /// Below the horizontal that of the horizontal.
-OSGTERRAINLIGHT_EXPORT double relativeAirMass(double elevation);
+double relativeAirMass(double elevation);
 
 /// Vertical optical depth of the air's molecules at a wavelength [micrometres, 0.3 ... 1] (Hansen
 /// and Travis 1974, Eq. 2.30).
-OSGTERRAINLIGHT_EXPORT double rayleighDepth(double wavelength);
+double rayleighDepth(double wavelength);
 
 /// Illuminance of a surface that faces the sun at its mean distance, outside the air [klx].
-OSGTERRAINLIGHT_EXPORT double solarIlluminance();
+double solarIlluminance();
 
 /// Irradiance of a surface that faces the sun, and of level ground by the sky alone; both over that
 /// of a surface that faces the sun outside the air, each >= 0.
@@ -35,10 +34,10 @@ struct Daylight
 
 /// Of turbidity 2 ... 10: Bird and Riordan 1986 in 37 bands, over black ground, with 300 Dobson
 /// units of ozone; twilight by Janiczek and DeYoung 1987.
-OSGTERRAINLIGHT_EXPORT Daylight daylightOf(double turbidity, double elevation);
+Daylight daylightOf(double turbidity, double elevation);
 
 /// The sky of SkyModel::Clear: its picture by Preetham, Shirley and Smits 1999, as bright as
 /// daylightOf() says.
-OSGTERRAINLIGHT_EXPORT Glsl<double>::ClearSky clearSky(const SkyLight& light);
+Glsl<double>::ClearSky clearSky(const SkyLight& light);
 
 } // namespace osgTerrainLight

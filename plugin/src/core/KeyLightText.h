@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/Result.h"
-#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/SkyLight.h>
 
 #include <string>
@@ -21,7 +20,7 @@ KeyLight keyLightOf(const double* numbers);
 
 /// "azimuth, width, lowest, highest[, radiance]": four numbers, or five, or seven where radiance is
 /// a colour.
-OSGTERRAINLIGHT_EXPORT Result<KeyLight> readKeyLight(const std::string& text);
+Result<KeyLight> readKeyLight(const std::string& text);
 
 /// Several of these with semicolons between them, seven numbers each.
 Result<std::vector<double>> readKeyLights(const std::string& text);
@@ -30,6 +29,6 @@ Result<std::vector<double>> readKeyLights(const std::string& text);
 std::string keyLightsComplaint(const std::vector<double>& numbers);
 
 /// Empty where every value is legal; else a sentence that names the first that is not.
-OSGTERRAINLIGHT_EXPORT std::string complaint(const KeyLight& key);
+std::string complaint(const KeyLight& key);
 
 } // namespace osgTerrainLight

@@ -2,7 +2,6 @@
 
 #include "core/AzimuthSet.h"
 
-#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/SkyLight.h>
 
 #include <vector>
@@ -27,9 +26,9 @@ constexpr std::size_t maxKeyLights = 8;
 /// (Nowrouzezahrai and Snyder 2009, section 6, have three azimuths), more where those would be
 /// wider than the horizon map's, of which there are `azimuths`; never more than 256 in all, which
 /// is what a pass computes horizons for.
-OSGTERRAINLIGHT_EXPORT std::vector<KeySlices> keySlices(const SkyLight& sky, int azimuths);
+std::vector<KeySlices> keySlices(const SkyLight& sky, int azimuths);
 
 /// Of the middles of all slices, light after light.
-OSGTERRAINLIGHT_EXPORT std::vector<MapDirection> directionsOf(const std::vector<KeySlices>& lights);
+std::vector<MapDirection> directionsOf(const std::vector<KeySlices>& lights);
 
 } // namespace osgTerrainLight

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/SkyLight.h>
 
 #include "core/AzimuthSet.h"
@@ -13,7 +12,7 @@ namespace osgTerrainLight
 
 /// One azimuth of a key light, for the scheme of NS09 (section 6): a light's azimuths reach from
 /// one end of its range to the other, and the first and last take part in one wedge only.
-struct OSGTERRAINLIGHT_EXPORT LegendreKey
+struct LegendreKey
 {
     MapDirection direction;
     AzimuthWeights weights;             ///< with which the slice enters the harmonics
@@ -33,6 +32,6 @@ constexpr int maxRaysPerKeyLight = 9;
 /// radiance that gives a surface that faces the middle of the disc sunIrradiance. Harmonics of
 /// order 4 know no smaller light than that, so its radius is at least 0.1°, and 1° where the disc
 /// holds the zenith (and the light is all around it): less would be lost to float rounding.
-OSGTERRAINLIGHT_EXPORT std::vector<LegendreKey> legendreKeys(const SkyLight& sky);
+std::vector<LegendreKey> legendreKeys(const SkyLight& sky);
 
 } // namespace osgTerrainLight

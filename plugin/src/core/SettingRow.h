@@ -2,8 +2,6 @@
 
 #include "core/Result.h"
 
-#include <osgTerrainLight/Export.h>
-
 #include <string>
 #include <variant>
 #include <vector>
@@ -77,7 +75,7 @@ enum class Topic
 };
 
 /// One row of the table of settings, without the place of its value.
-struct OSGTERRAINLIGHT_EXPORT SettingRow
+struct SettingRow
 {
     /// Words joined by '-': the tool's option is --NAME, a map's key has '_' instead.
     std::string name;
@@ -104,12 +102,11 @@ struct OSGTERRAINLIGHT_EXPORT SettingRow
 };
 
 /// Finite numbers of a text, separated by blanks or commas; empty where it holds anything else.
-OSGTERRAINLIGHT_EXPORT std::vector<double> numbersIn(const std::string& text);
+std::vector<double> numbersIn(const std::string& text);
 /// The shortest digits that read back as the same number; of a float, as the same float.
-OSGTERRAINLIGHT_EXPORT std::string numberText(double value);
+std::string numberText(double value);
 
 /// "KEY = "VALUE": needs NEEDED".
-OSGTERRAINLIGHT_EXPORT Error refused(const std::string& name, const std::string& value,
-                                     const std::string& needed);
+Error refused(const std::string& name, const std::string& value, const std::string& needed);
 
 } // namespace osgTerrainLight

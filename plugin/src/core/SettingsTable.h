@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/SettingRow.h"
-#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/LightingSettings.h>
 #include <osgTerrainLight/SkyLight.h>
 
@@ -30,14 +29,14 @@ struct Setting : SettingRow
 template <class Owner>
 const std::vector<Setting<Owner>>& settingsOf();
 template <>
-OSGTERRAINLIGHT_EXPORT const std::vector<Setting<LightingSettings>>& settingsOf();
+const std::vector<Setting<LightingSettings>>& settingsOf();
 template <>
-OSGTERRAINLIGHT_EXPORT const std::vector<Setting<SkyLight>>& settingsOf();
+const std::vector<Setting<SkyLight>>& settingsOf();
 template <>
-OSGTERRAINLIGHT_EXPORT const std::vector<Setting<KeyLight>>& settingsOf();
+const std::vector<Setting<KeyLight>>& settingsOf();
 
 /// What settings are chosen by (LightingSettings::forMaxError, forFrameTime).
-OSGTERRAINLIGHT_EXPORT const std::vector<SettingRow>& budgetRows();
+const std::vector<SettingRow>& budgetRows();
 
 /// By name. Null where there is no such row.
 template <class Owner>
@@ -50,11 +49,11 @@ const Setting<Owner>* findSetting(const std::string& name)
 }
 
 /// What a change from a to b makes stale. An environment counts as the sky's shape and light.
-OSGTERRAINLIGHT_EXPORT Invalidation changed(const LightingSettings& a, const LightingSettings& b);
-OSGTERRAINLIGHT_EXPORT Invalidation changed(const SkyLight& a, const SkyLight& b);
+Invalidation changed(const LightingSettings& a, const LightingSettings& b);
+Invalidation changed(const SkyLight& a, const SkyLight& b);
 
 /// Empty where every value is legal; else a sentence that names the first that is not.
-OSGTERRAINLIGHT_EXPORT std::string complaint(const SkyLight& sky);
-OSGTERRAINLIGHT_EXPORT std::string complaint(const LightingSettings& settings);
+std::string complaint(const SkyLight& sky);
+std::string complaint(const LightingSettings& settings);
 
 } // namespace osgTerrainLight

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include "core/WedgeMatrices.h"
 
 #include <array>
@@ -15,6 +13,6 @@ using ShFunction = std::array<double, 16>;
 /// The product of functions with a fixed one: M g are the harmonics of order 4 of f·g, for an f and
 /// a g of order 4 (NS09, section 7: incident light is the SH product of lighting and visibility).
 /// What f·g has beyond order 4 is lost.
-OSGTERRAINLIGHT_EXPORT ShMatrix<16> shProduct(const ShFunction& f);
+ShMatrix<16> shProduct(const ShFunction& f);
 
 } // namespace osgTerrainLight

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/SkyLight.h>
 
 #include <array>
@@ -10,23 +9,22 @@ namespace osgTerrainLight
 {
 
 /// Whether the sky's radiance depends on direction: it then needs a table per slice.
-OSGTERRAINLIGHT_EXPORT bool skyHasTable(const SkyLight& sky);
+bool skyHasTable(const SkyLight& sky);
 
 /// Whether two skies send the same from everywhere; the sun counts where it makes the sky.
-OSGTERRAINLIGHT_EXPORT bool sameSky(const SkyLight& a, const SkyLight& b);
+bool sameSky(const SkyLight& a, const SkyLight& b);
 
 /// The sky of SkyLight::skyModel, environment and harmonics left aside, towards a unit direction
 /// (x east, y north, z up) with z ≥ 0; the sun's disc is not in it. In double, for tests and few
 /// directions; sky_model.comp has the same functions.
-OSGTERRAINLIGHT_EXPORT std::array<double, 3> modelRadiance(const SkyLight& sky,
-                                                           const std::array<double, 3>& direction);
+std::array<double, 3> modelRadiance(const SkyLight& sky, const std::array<double, 3>& direction);
 
 /// 16 coefficients of the sky, of whichever kind it is, turned and multiplied; for what works in
 /// harmonics.
-OSGTERRAINLIGHT_EXPORT std::vector<Rgb> harmonicsOf(const SkyLight& sky);
+std::vector<Rgb> harmonicsOf(const SkyLight& sky);
 
 /// Irradiance on a surface that faces the unoccluded sun, at the ground: sunIrradiance, less what
 /// the air of SkyModel::Clear takes.
-OSGTERRAINLIGHT_EXPORT Rgb sunAtGround(const SkyLight& sky);
+Rgb sunAtGround(const SkyLight& sky);
 
 } // namespace osgTerrainLight

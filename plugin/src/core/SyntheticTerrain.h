@@ -3,7 +3,6 @@
 #include "core/Result.h"
 
 #include <osgTerrainLight/DemTile.h>
-#include <osgTerrainLight/Export.h>
 
 #include <cstdint>
 #include <string>
@@ -22,10 +21,10 @@ enum class TerrainKind
 };
 
 /// "fractal", "crater", "cliffs", "spikes".
-OSGTERRAINLIGHT_EXPORT const char* toString(TerrainKind kind);
+const char* toString(TerrainKind kind);
 /// False where the text names no kind; kind is then unchanged.
-OSGTERRAINLIGHT_EXPORT bool fromString(const std::string& text, TerrainKind& kind);
-OSGTERRAINLIGHT_EXPORT const std::vector<TerrainKind>& allTerrainKinds();
+bool fromString(const std::string& text, TerrainKind& kind);
+const std::vector<TerrainKind>& allTerrainKinds();
 
 /// A terrain of width × height posts (each ≥ 1, at most 2^30 posts) without voids, with square
 /// cells of `spacing` metres, 0.001 … 10 000. Heights are proportional to the spacing, so slopes do
@@ -33,7 +32,7 @@ OSGTERRAINLIGHT_EXPORT const std::vector<TerrainKind>& allTerrainKinds();
 /// only integer hashes and + − × ÷ √ are used. But for Crater, which fills the tile, a post's
 /// height depends on its column, its row and the seed alone, so a small tile is a corner of a large
 /// one.
-OSGTERRAINLIGHT_EXPORT Result<DemTile> generateTerrain(TerrainKind kind, int width, int height,
-                                                       double spacing, std::uint32_t seed);
+Result<DemTile> generateTerrain(TerrainKind kind, int width, int height, double spacing,
+                                std::uint32_t seed);
 
 } // namespace osgTerrainLight

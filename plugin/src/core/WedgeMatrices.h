@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include <array>
 #include <cstddef>
 
@@ -40,7 +38,7 @@ struct AzimuthWeights
 /// The integral depends on neither spacing nor blend: a shader needs the four numbers `even` alone.
 /// Where azimuths span a part of the circle (m azimuths, m − 1 wedges), the first and the last
 /// slice have half of h, and their odd part stays.
-class OSGTERRAINLIGHT_EXPORT WedgeMatrices
+class WedgeMatrices
 {
 public:
     /// spacing [rad] of neighbouring azimuths, 0 < spacing ≤ 2π/3; 2π/m on the full circle.

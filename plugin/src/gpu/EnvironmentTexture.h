@@ -1,7 +1,6 @@
 #pragma once
 
 #include <osgTerrainLight/Environment.h>
-#include <osgTerrainLight/Export.h>
 
 #include <osg/Texture2D>
 
@@ -12,7 +11,7 @@ namespace osgTerrainLight
 
 /// An environment on the GPU: RGB32F, laid out as Environment::radiance. As long as anyone holds it
 /// there is one for all tiles and probes. Safe from any thread.
-OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Texture2D>
+osg::ref_ptr<osg::Texture2D>
 environmentTexture(const std::shared_ptr<const Environment>& environment);
 
 } // namespace osgTerrainLight

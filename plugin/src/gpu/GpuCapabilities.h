@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include "core/Result.h"
 
 #include <osg/State>
@@ -12,7 +10,7 @@ namespace osgTerrainLight
 {
 
 /// What a graphics context offers.
-struct OSGTERRAINLIGHT_EXPORT GpuCapabilities
+struct GpuCapabilities
 {
     std::string vendor, renderer, version;
     int major = 0, minor = 0;

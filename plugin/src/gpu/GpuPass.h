@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include "core/Result.h"
 #include "gpu/Resource.h"
 #include "gpu/ShaderLibrary.h"
@@ -23,7 +21,7 @@ namespace osgTerrainLight
 
 /// One compute shader with the textures it reads and writes. A dispatch ends with the memory
 /// barrier that lets later passes and draws read what it wrote: OSG issues none.
-class OSGTERRAINLIGHT_EXPORT GpuPass : public osg::Referenced
+class GpuPass : public osg::Referenced
 {
 public:
     /// name: stem of shaders/passes/<name>.comp. defines: a variant, see ShaderVariants in the
@@ -129,6 +127,6 @@ private:
 
 /// Copies the GPU's content of a storage buffer into its array, which stays as it was where no pass
 /// has used it yet. Needs a current context.
-OSGTERRAINLIGHT_EXPORT void readStorage(osg::State& state, osg::Array& values);
+void readStorage(osg::State& state, osg::Array& values);
 
 } // namespace osgTerrainLight

@@ -1,4 +1,4 @@
-#include "gpu/HeadlessContext.h"
+#include <osgTerrainLight/HeadlessContext.h>
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
@@ -14,14 +14,17 @@
 namespace osgTerrainLight
 {
 
-struct HeadlessContext::Handles
+struct HeadlessContext::Implementation
 {
+    osg::ref_ptr<osgViewer::GraphicsWindowEmbedded> window;
+    std::string platform;
     EGLDisplay display = EGL_NO_DISPLAY;
     EGLContext context = EGL_NO_CONTEXT;
     EGLSurface surface = EGL_NO_SURFACE;
 
-    ~Handles()
+    ~Implementation()
     {
+        window = nullptr;
         if (display == EGL_NO_DISPLAY)
             return;
         eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
@@ -66,7 +69,8 @@ struct HeadlessContext::Handles
     }
 };
 
-Result<std::unique_ptr<HeadlessContext>> HeadlessContext::create(int width, int height)
+std::unique_ptr<HeadlessContext> HeadlessContext::create(int width, int height,
+                                                         std::string& problem)
 {
     auto platformDisplay = reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(
         eglGetProcAddress("eglGetPlatformDisplayEXT"));
@@ -74,12 +78,12 @@ Result<std::unique_ptr<HeadlessContext>> HeadlessContext::create(int width, int 
         reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(eglGetProcAddress("eglQueryDevicesEXT"));
     const char* extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
 
-    std::unique_ptr<HeadlessContext> result(new HeadlessContext);
+    std::unique_ptr<Implementation> made;
     const auto attempt = [&](EGLDisplay display, const std::string& name)
     {
-        result->_handles = std::make_unique<Handles>();
-        result->_platform = name;
-        return result->_handles->open(display, width, height);
+        made = std::make_unique<Implementation>();
+        made->platform = name;
+        return made->open(display, width, height);
     };
 
     bool open = false;
@@ -100,28 +104,46 @@ Result<std::unique_ptr<HeadlessContext>> HeadlessContext::create(int width, int 
     {
         char code[16];
         std::snprintf(code, sizeof(code), "0x%04x", static_cast<unsigned>(eglGetError()));
-        return Error{ErrorCode::NotSupported,
-                     std::string("no OpenGL context without a display: neither EGL's surfaceless "
-                                 "platform nor an EGL device gave one (last EGL error ") +
-                         code + ")"};
+        problem = std::string("no OpenGL context without a display: neither EGL's surfaceless "
+                              "platform nor an EGL device gave one (last EGL error ") +
+                  code + ")";
+        return nullptr;
     }
+    made->window = new osgViewer::GraphicsWindowEmbedded(0, 0, width, height);
+    made->window->getState()->initializeExtensionProcs();
+    return std::unique_ptr<HeadlessContext>(new HeadlessContext(std::move(made)));
+}
 
-    result->_window = new osgViewer::GraphicsWindowEmbedded(0, 0, width, height);
-    result->_window->getState()->initializeExtensionProcs();
-    return result;
+HeadlessContext::HeadlessContext(std::unique_ptr<Implementation> implementation)
+    : _implementation(std::move(implementation))
+{
 }
 
 HeadlessContext::~HeadlessContext()
 {
-    if (_window && makeCurrent())
-        _window->close(); // deletes its GL objects while the context lives
-    _window = nullptr;
+    if (makeCurrent())
+        _implementation->window->close(); // deletes its GL objects while the context lives
 }
 
 bool HeadlessContext::makeCurrent()
 {
-    return eglMakeCurrent(_handles->display, _handles->surface, _handles->surface,
-                          _handles->context);
+    return eglMakeCurrent(_implementation->display, _implementation->surface,
+                          _implementation->surface, _implementation->context);
+}
+
+osgViewer::GraphicsWindowEmbedded* HeadlessContext::window() const
+{
+    return _implementation->window;
+}
+
+osg::State& HeadlessContext::state() const
+{
+    return *_implementation->window->getState();
+}
+
+const std::string& HeadlessContext::platform() const
+{
+    return _implementation->platform;
 }
 
 } // namespace osgTerrainLight

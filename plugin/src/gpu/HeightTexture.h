@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include <osg/Texture2D>
 
 #include <utility>
@@ -11,7 +9,7 @@ namespace osgTerrainLight
 
 /// Heights that change: R32F, a texel per post, row 0 south, as large as it was made. Each context
 /// takes up the newest ones when it applies the texture. Not to be copied.
-class OSGTERRAINLIGHT_EXPORT HeightTexture : public osg::Texture2D
+class HeightTexture : public osg::Texture2D
 {
 public:
     /// All posts void.

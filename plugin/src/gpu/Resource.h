@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include <osg/Referenced>
 #include <osg/State>
 #include <osg/Texture>
@@ -16,7 +14,7 @@ namespace osgTerrainLight
 {
 
 /// Size and format of a texture that passes write.
-struct OSGTERRAINLIGHT_EXPORT TextureLayout
+struct TextureLayout
 {
     int width = 0, height = 0; ///< [texels]
     int layers = 0;            ///< 0: not an array
@@ -33,7 +31,7 @@ struct OSGTERRAINLIGHT_EXPORT TextureLayout
 /// that nodes of any graph can tell whether they are behind it.
 ///
 /// It owns its texture, which exists only where make() asked for it and drop() did not follow.
-class OSGTERRAINLIGHT_EXPORT Resource : public osg::Referenced
+class Resource : public osg::Referenced
 {
 public:
     using Version = unsigned long;

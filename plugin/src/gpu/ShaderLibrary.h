@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include "core/Result.h"
 
 #include <string>
@@ -13,7 +11,7 @@ namespace osgTerrainLight
 /// A shader put together from files, and the way back from a compiler's line number to file and
 /// line. The lines are counted through: a compiler may forget the source number of a #line (Mesa
 /// does in all but syntax errors).
-struct OSGTERRAINLIGHT_EXPORT ComposedShader
+struct ComposedShader
 {
     struct Part
     {
@@ -30,7 +28,7 @@ struct OSGTERRAINLIGHT_EXPORT ComposedShader
 
 /// The shader sources: embedded in the library, or read from the folder that the environment
 /// variable OSGTERRAINLIGHT_SHADERS names (for live editing; files it lacks are the embedded ones).
-class OSGTERRAINLIGHT_EXPORT ShaderLibrary
+class ShaderLibrary
 {
 public:
     /// folder: the override folder; empty for none.

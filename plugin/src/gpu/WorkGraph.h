@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include "core/Result.h"
 #include "gpu/GpuPass.h"
 #include "gpu/Resource.h"
@@ -31,7 +29,7 @@ struct StageCost
 
 /// Passes and textures of one purpose. It counts, releases and resizes all that it owns, so that no
 /// class that computes something has to.
-class OSGTERRAINLIGHT_EXPORT GpuWork : public osg::Referenced
+class GpuWork : public osg::Referenced
 {
 public:
     /// Of all textures that exist.
@@ -62,7 +60,7 @@ private:
 
 /// A piece of work of a WorkGraph. A subclass declares in its constructor what it reads, writes and
 /// owns; run() sets uniforms and dispatches.
-class OSGTERRAINLIGHT_EXPORT Node : public GpuWork
+class Node : public GpuWork
 {
 public:
     /// Nodes of one name are counted together.
@@ -123,7 +121,7 @@ private:
 /// written in place: a node that adds to light reads one resource and writes another. Resources may
 /// be those of another graph. isDirty(), isStale() and costs() may be called while run() computes
 /// in another thread; all other functions come from one thread at a time.
-class OSGTERRAINLIGHT_EXPORT WorkGraph
+class WorkGraph
 {
 public:
     using Nodes = std::vector<osg::ref_ptr<Node>>;

@@ -3,7 +3,6 @@
 #include "core/Raster.h"
 #include "core/Result.h"
 #include "io/DemReader.h"
-#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/SkyLight.h>
 
 #include <string>
@@ -18,9 +17,9 @@ namespace osgTerrainLight
 ///
 /// Errors: NotFound or Failed where GDAL cannot read it; NotSupported where it has a palette;
 /// Invalid where size or place are not the DEM's or a value is beyond 0 … 1.
-OSGTERRAINLIGHT_EXPORT Result<Raster<Rgb>> readAlbedo(const std::string& path, const DemInfo& dem);
+Result<Raster<Rgb>> readAlbedo(const std::string& path, const DemInfo& dem);
 
 /// Linear value of an sRGB one, both 0 … 1 (IEC 61966-2-1).
-OSGTERRAINLIGHT_EXPORT float linearOfSrgb(float encoded);
+float linearOfSrgb(float encoded);
 
 } // namespace osgTerrainLight

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "io/RasterBand.h"
-#include <osgTerrainLight/Export.h>
 
 #include <array>
 #include <cstddef>
@@ -16,7 +15,7 @@ namespace osgTerrainLight
 /// value: −32768 and −32767, the lowest 16-bit numbers, −99999, ESRI's, and −9999. One that would
 /// lie deeper than any terrain is always void; one that could be a height (−9999 m is the bottom of
 /// a trench, −32768 cm a shore) is void where no other value lies within 1000 of it.
-class OSGTERRAINLIGHT_EXPORT CustomaryVoids
+class CustomaryVoids
 {
 public:
     explicit CustomaryVoids(const BandFacts& facts);

@@ -69,15 +69,13 @@ struct DemFile
 
 /// Opens any raster that GDAL reads and says what readDem() would read; heights are not read, and
 /// the size is not limited. Thread-safe, as readDem() is.
-OSGTERRAINLIGHT_EXPORT Result<DemInfo> describeDem(const std::string& path,
-                                                   const DemReadOptions& options = {});
+Result<DemInfo> describeDem(const std::string& path, const DemReadOptions& options = {});
 
 /// Reads heights in metres. Posts are pixel centres. Void are: the nodata value, what a mask or
 /// alpha band has 0 for, NaN, infinities, heights beyond ±1e6 m, rows of a geographic raster beyond
 /// a pole, and CustomaryVoids. Radii of the CRS's body become heights above its semi-major axis.
 /// Where the map's scale differs within the raster, heights of the tile are multiplied by the
 /// HeightFactors of measureGround(), which are 1 in the middle.
-OSGTERRAINLIGHT_EXPORT Result<DemFile> readDem(const std::string& path,
-                                               const DemReadOptions& options = {});
+Result<DemFile> readDem(const std::string& path, const DemReadOptions& options = {});
 
 } // namespace osgTerrainLight

@@ -3,7 +3,6 @@
 #include "core/Result.h"
 #include "io/DemReader.h"
 #include "io/LightParameters.h"
-#include <osgTerrainLight/Export.h>
 
 #include <string>
 #include <vector>
@@ -35,9 +34,8 @@ struct EarthMap
 /// switched off (open, enabled or visible is false, no or off), has no url or is of another kind is
 /// left out and named; where no other is left, that is the error.
 /// source: what messages call the text. Errors name source, line, key, value and what is needed.
-OSGTERRAINLIGHT_EXPORT Result<EarthMap> parseEarth(const std::string& text,
-                                                   const std::string& source);
+Result<EarthMap> parseEarth(const std::string& text, const std::string& source);
 
-OSGTERRAINLIGHT_EXPORT Result<EarthMap> readEarthFile(const std::string& path);
+Result<EarthMap> readEarthFile(const std::string& path);
 
 } // namespace osgTerrainLight

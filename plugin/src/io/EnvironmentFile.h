@@ -2,7 +2,6 @@
 
 #include "core/Result.h"
 #include <osgTerrainLight/Environment.h>
-#include <osgTerrainLight/Export.h>
 
 #include <cstddef>
 #include <string>
@@ -27,7 +26,7 @@ enum class PictureFormat
     Radiance,
     Other
 };
-OSGTERRAINLIGHT_EXPORT PictureFormat formatOf(const std::string& path);
+PictureFormat formatOf(const std::string& path);
 
 /// Reads a picture of all directions: of Radiance where the file begins so (io/RadianceFile.h),
 /// else OpenEXR (io/ExrEnvironment.h), as latitude-longitude or cube. docs/CONVENTIONS.md has the
@@ -36,18 +35,17 @@ OSGTERRAINLIGHT_EXPORT PictureFormat formatOf(const std::string& path);
 /// Errors name the file: NotFound; Invalid where it is damaged, of no environment's shape or holds
 /// more than maxPixels pixels, which is looked at before any is allocated; NotSupported where it
 /// holds no light of a kind we read.
-OSGTERRAINLIGHT_EXPORT Result<EnvironmentPicture>
-readEnvironmentFile(const std::string& path, std::size_t maxPixels = std::size_t(1) << 27);
+Result<EnvironmentPicture> readEnvironmentFile(const std::string& path,
+                                               std::size_t maxPixels = std::size_t(1) << 27);
 
 /// Of a latitude-longitude picture of width · height pixels, row 0 = zenith: its middle is north,
 /// what is right of it in the east (docs/CONVENTIONS.md). Turned by whole texels.
-OSGTERRAINLIGHT_EXPORT EnvironmentPicture fromLatitudeLongitude(int width, int height,
-                                                                const std::vector<Rgb>& pixels);
+EnvironmentPicture fromLatitudeLongitude(int width, int height, const std::vector<Rgb>& pixels);
 
 /// Makes values what light can be: NaN, −∞ and what is negative become 0, +∞ and what is beyond
 /// 1e30 become 65504, the greatest half float, of which an infinity is the usual overflow. Returns
 /// a sentence where any was not finite; filters leave small negative values in most pictures, so
 /// these pass in silence.
-OSGTERRAINLIGHT_EXPORT std::string makeUsable(std::vector<Rgb>& pixels);
+std::string makeUsable(std::vector<Rgb>& pixels);
 
 } // namespace osgTerrainLight

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/Result.h"
-#include <osgTerrainLight/Export.h>
 
 #include <cstddef>
 #include <map>
@@ -18,7 +17,7 @@ struct ExrChannel
     std::vector<float> values;
 };
 
-struct OSGTERRAINLIGHT_EXPORT ExrImage
+struct ExrImage
 {
     int width = 0;
     int height = 0;
@@ -37,13 +36,12 @@ enum class ExrPixelType
 
 /// Writes a scanline file, ZIP-compressed without loss. Written beside the target under a hidden
 /// name and moved over it when complete: a failure leaves the target as it was.
-OSGTERRAINLIGHT_EXPORT Status writeExr(const std::string& path, const ExrImage& image,
-                                       ExrPixelType type = ExrPixelType::Half);
+Status writeExr(const std::string& path, const ExrImage& image,
+                ExrPixelType type = ExrPixelType::Half);
 
 /// Reads every channel of the data window, whatever its type, as float. More than maxValues values
 /// (width · height · channels) are refused before any is allocated; so are sub-sampled channels and
 /// deep pixels. Of a file with several parts, the first is read.
-OSGTERRAINLIGHT_EXPORT Result<ExrImage> readExr(const std::string& path,
-                                                std::size_t maxValues = std::size_t(1) << 28);
+Result<ExrImage> readExr(const std::string& path, std::size_t maxValues = std::size_t(1) << 28);
 
 } // namespace osgTerrainLight

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include <string>
 #include <vector>
 
@@ -30,10 +28,10 @@ struct ExrLayer
 /// light (normals, positions, depth, motion, masks, albedo). Of equals, those of the view that
 /// comes first
 /// (`views`, the attribute multiView; empty: none), then by name.
-OSGTERRAINLIGHT_EXPORT std::vector<ExrLayer> lightLayers(const std::vector<std::string>& channels,
-                                                         const std::vector<std::string>& views);
+std::vector<ExrLayer> lightLayers(const std::vector<std::string>& channels,
+                                  const std::vector<std::string>& views);
 
 /// Whether the layer's name says that it holds no light.
-OSGTERRAINLIGHT_EXPORT bool isNoLight(const ExrLayer& layer);
+bool isNoLight(const ExrLayer& layer);
 
 } // namespace osgTerrainLight

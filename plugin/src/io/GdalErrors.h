@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include <string>
 
 namespace osgTerrainLight
@@ -9,7 +7,7 @@ namespace osgTerrainLight
 
 /// While it lives, GDAL's errors and warnings on this thread are kept here and off stderr.
 /// Registers GDAL's drivers on first use.
-class OSGTERRAINLIGHT_EXPORT GdalErrors
+class GdalErrors
 {
 public:
     GdalErrors();

@@ -2,7 +2,6 @@
 
 #include "core/Result.h"
 #include "io/RasterFrame.h"
-#include <osgTerrainLight/Export.h>
 
 #include <string>
 #include <vector>
@@ -23,15 +22,14 @@ struct MetresPerRadian
 /// north is the meridional radius of curvature a²b²/w³, east the prime vertical radius a²/w times
 /// cos(latitude), with w² = a²cos² + b²sin² (Snyder, Map Projections, 1987, eqs 4-18 to 4-20). At
 /// the poles, where all longitudes meet, cos is kept at 1e-6, so that a spacing is always > 0.
-OSGTERRAINLIGHT_EXPORT MetresPerRadian metresPerRadian(double latitude, double semiMajor,
-                                                       double semiMinor);
+MetresPerRadian metresPerRadian(double latitude, double semiMajor, double semiMinor);
 
 /// What heights of a map are multiplied by, above the height in the middle of their range, so that
 /// one spacing of rows serves posts whose ground spacing differs: with a spacing twice too long,
 /// slopes are right on heights twice as high. Between posts p and q the tangent is then that of
 /// the mean scale, but for at most |gradient of ln(factor)| times the greatest height above or
 /// below the middle of the range.
-class OSGTERRAINLIGHT_EXPORT HeightFactors
+class HeightFactors
 {
 public:
     HeightFactors() = default; ///< 1 everywhere
@@ -67,7 +65,7 @@ struct GroundSpacing
 /// exact where it is the same in all directions (conformal maps, Web Mercator) or differs between
 /// east and north in the same way along each row (equirectangular and other cylindrical maps). A
 /// note tells by how much slopes are wrong on what is neither.
-OSGTERRAINLIGHT_EXPORT Result<GroundSpacing>
-measureGround(const std::string& path, const OGRSpatialReference* crs, const RasterFrame& frame);
+Result<GroundSpacing> measureGround(const std::string& path, const OGRSpatialReference* crs,
+                                    const RasterFrame& frame);
 
 } // namespace osgTerrainLight

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include <string>
 #include <vector>
 
@@ -12,10 +10,9 @@ namespace osgTerrainLight
 /// a VRT, of VRTs among them again, header pairs, world files), its sidecars (.aux.xml, .ovr,
 /// .msk), the file within a dataset's name (NETCDF:"a.nc":Band1, vrt://a.tif, /vsizip/a.zip/b.tif),
 /// and of an .earth map its layers and its sky. Files that do not exist are not listed.
-OSGTERRAINLIGHT_EXPORT std::vector<std::string> filesOf(const std::string& input);
+std::vector<std::string> filesOf(const std::string& input);
 
 /// The first of `inputs` that is the same file (device and inode) as `output`; empty: none.
-OSGTERRAINLIGHT_EXPORT std::string sameFile(const std::vector<std::string>& inputs,
-                                            const std::string& output);
+std::string sameFile(const std::vector<std::string>& inputs, const std::string& output);
 
 } // namespace osgTerrainLight

@@ -4,7 +4,6 @@
 #include "core/Result.h"
 #include "core/SettingsTable.h"
 #include "io/DemReader.h"
-#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/LightingSettings.h>
 #include <osgTerrainLight/SkyLight.h>
 #include <osgTerrainLight/SunPosition.h>
@@ -41,15 +40,15 @@ struct LightKey : SettingRow
 };
 
 /// All keys, those of the table first. "light", "sky", "time" and "place" follow.
-OSGTERRAINLIGHT_EXPORT const std::vector<LightKey>& lightKeys();
+const std::vector<LightKey>& lightKeys();
 /// By a row's name or by its key. Null where there is none.
-OSGTERRAINLIGHT_EXPORT const LightKey* findLightKey(const std::string& name);
+const LightKey* findLightKey(const std::string& name);
 
 /// Sets one parameter by its key. Of keys that contradict each other the later one holds:
 /// sun_azimuth and time, sky and sky_harmonics. The error names the parameter, the value and what
 /// it needs; the parameters are then unchanged.
-OSGTERRAINLIGHT_EXPORT Status setLightParameter(LightParameters& parameters,
-                                                const std::string& name, const std::string& value);
+Status setLightParameter(LightParameters& parameters, const std::string& name,
+                         const std::string& value);
 
 /// What a program asks the reader for, over what a map says, as values: plugin data of
 /// osgDB::Options under this name. It lives as long as the reading.
@@ -61,7 +60,6 @@ struct GivenLight
 };
 
 /// Sets one number or colour of a key light by its name.
-OSGTERRAINLIGHT_EXPORT Status setKeyLight(KeyLight& key, const std::string& name,
-                                          const std::string& value);
+Status setKeyLight(KeyLight& key, const std::string& name, const std::string& value);
 
 } // namespace osgTerrainLight

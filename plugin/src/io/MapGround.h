@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include <memory>
 #include <optional>
 #include <utility>
@@ -30,7 +28,7 @@ struct GroundPoint
 /// Takes points of a map to the ellipsoid of a geographic CRS. Steps are central differences of
 /// geocentric vectors, which are smooth where longitudes are not: across a pole and the 180°
 /// meridian. They are over 1e-4 of the body's radius, so their error is below 1e-8 of them.
-class OSGTERRAINLIGHT_EXPORT MapGround
+class MapGround
 {
 public:
     /// Nothing where PROJ has no way from one CRS to the other. The map's axes count as x before y.

@@ -3,7 +3,6 @@
 #include "core/Result.h"
 #include "io/DemReader.h"
 #include <osgTerrainLight/DemTile.h>
-#include <osgTerrainLight/Export.h>
 
 #include <cstdint>
 #include <string>
@@ -14,8 +13,7 @@ namespace osgTerrainLight
 
 /// As readDem() without a window, but a raster with more than maxSide posts a side is averaged down
 /// to it while reading, with a note that says so. maxSide ≥ 2.
-OSGTERRAINLIGHT_EXPORT Result<DemFile> readDemReduced(const std::string& path,
-                                                      const DemReadOptions& options, int maxSide);
+Result<DemFile> readDemReduced(const std::string& path, const DemReadOptions& options, int maxSide);
 
 /// sRGB colours, 4 bytes per pixel (red, green, blue, alpha), row 0 south.
 struct ColourImage
@@ -29,11 +27,10 @@ struct ColourImage
 /// alpha), warped to the rectangle that the tile's outermost posts span, at the picture's own
 /// resolution up to maxSize pixels a side. Alpha is 0 where it has no data. A CRS that tile or
 /// picture lacks is taken as the other's. Errors name the file and the reason.
-OSGTERRAINLIGHT_EXPORT Result<ColourImage> readColour(const std::string& path, const DemTile& tile,
-                                                      int maxSize = 4096);
+Result<ColourImage> readColour(const std::string& path, const DemTile& tile, int maxSize = 4096);
 
 /// A level tile of 2 × 2 posts that a georeferenced picture covers: what it is draped over where
 /// there is no elevation.
-OSGTERRAINLIGHT_EXPORT Result<DemTile> levelTileUnder(const std::string& path);
+Result<DemTile> levelTileUnder(const std::string& path);
 
 } // namespace osgTerrainLight

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/Result.h"
-#include <osgTerrainLight/Export.h>
 
 #include <array>
 #include <optional>
@@ -40,13 +39,11 @@ struct BandFacts
 
 /// A unit's length in metres by the names in use ("ft", "US survey foot", "Meters"); nothing where
 /// the name is not known.
-OSGTERRAINLIGHT_EXPORT std::optional<double> metresPerHeightUnit(const std::string& name);
+std::optional<double> metresPerHeightUnit(const std::string& name);
 
 /// givenUnit: instead of what band and CRS say; empty where not given. Errors: complex numbers, a
 /// picture's channel, a scale of 0. What is assumed goes to notes, one sentence each.
-OSGTERRAINLIGHT_EXPORT Result<BandFacts> readBandFacts(const std::string& path,
-                                                       GDALDataset& dataset, int band,
-                                                       const std::string& givenUnit,
-                                                       std::vector<std::string>& notes);
+Result<BandFacts> readBandFacts(const std::string& path, GDALDataset& dataset, int band,
+                                const std::string& givenUnit, std::vector<std::string>& notes);
 
 } // namespace osgTerrainLight

@@ -46,7 +46,7 @@ struct RasterWriteOptions
 /// folder beside the target and moved over it by finish(): until then, and after any failure, the
 /// target and its sidecar files are as they were. Drivers that can only copy (COG, AAIGrid) are fed
 /// from memory, or from a scratch file in that folder beyond 256 MiB.
-class OSGTERRAINLIGHT_EXPORT RasterWriter
+class RasterWriter
 {
 public:
     static constexpr float noData = -9999.0f;
@@ -74,15 +74,13 @@ private:
 };
 
 /// Writes bands that are all in memory.
-OSGTERRAINLIGHT_EXPORT Status writeRaster(const std::string& path, const RasterFrame& frame,
-                                          const std::vector<RasterBand>& bands,
-                                          const RasterWriteOptions& options = {});
+Status writeRaster(const std::string& path, const RasterFrame& frame,
+                   const std::vector<RasterBand>& bands, const RasterWriteOptions& options = {});
 
 /// Writes a picture: 3 (RGB) or 4 (RGBA, void is alpha 0) bytes per pixel, in tile order (row 0
 /// south). It comes out with north up; CRS and geotransform go where the driver puts them (for PNG
 /// a .aux.xml file, and a world file with the creation option WORLDFILE=YES).
-OSGTERRAINLIGHT_EXPORT Status writeRgb8(const std::string& path, const RasterFrame& frame,
-                                        const std::vector<std::uint8_t>& pixels,
-                                        const RasterWriteOptions& options = {});
+Status writeRgb8(const std::string& path, const RasterFrame& frame,
+                 const std::vector<std::uint8_t>& pixels, const RasterWriteOptions& options = {});
 
 } // namespace osgTerrainLight

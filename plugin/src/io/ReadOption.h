@@ -2,7 +2,6 @@
 
 #include "core/Result.h"
 #include "io/DemReader.h"
-#include <osgTerrainLight/Export.h>
 
 #include <array>
 #include <string>
@@ -14,7 +13,6 @@ namespace osgTerrainLight
 constexpr std::array<const char*, 3> readOptionNames = {"cell_size", "unit", "z_factor"};
 
 /// Sets one of them from text. Errors name key, value and what is needed.
-OSGTERRAINLIGHT_EXPORT Status setReadOption(DemReadOptions& options, const std::string& name,
-                                            const std::string& value);
+Status setReadOption(DemReadOptions& options, const std::string& name, const std::string& value);
 
 } // namespace osgTerrainLight

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/HorizonMap.h>
 
 #include "core/Raster.h"

@@ -6,7 +6,7 @@
 #include "glsl_host.h"
 #include "gpu/GlConstants.h"
 #include "gpu/GpuCapabilities.h"
-#include "gpu/HeadlessContext.h"
+#include <osgTerrainLight/HeadlessContext.h>
 
 #include <osg/GLObjects>
 
@@ -419,13 +419,11 @@ chooseInOwnContext(const DemTile& tile, const SkyLight& sky, const std::string& 
     failed.failure = ParameterRange::find(parameter)->complaint(value);
     if (!failed.failure.empty())
         return failed;
-    const Result<std::unique_ptr<HeadlessContext>> context = HeadlessContext::create();
+    const std::unique_ptr<HeadlessContext> context =
+        HeadlessContext::create(16, 16, failed.failure);
     if (!context)
-    {
-        failed.failure = context.error().message;
         return failed;
-    }
-    osg::State& state = (*context)->state();
+    osg::State& state = context->state();
     if (const Result<GpuCapabilities> capabilities = GpuCapabilities::query(state); !capabilities)
     {
         failed.failure = capabilities.error().message;

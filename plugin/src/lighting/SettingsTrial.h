@@ -1,7 +1,6 @@
 #pragma once
 
 #include <osgTerrainLight/DemTile.h>
-#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/LightingSettings.h>
 #include <osgTerrainLight/SkyLight.h>
 
@@ -29,7 +28,7 @@ namespace osgTerrainLight
 /// full, to be sure: where it misses, the next is.
 ///
 /// All functions need the same current context.
-class OSGTERRAINLIGHT_EXPORT SettingsTrial
+class SettingsTrial
 {
 public:
     /// What errors are of.

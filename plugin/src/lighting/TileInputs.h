@@ -1,6 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/LightingSettings.h>
 #include <osgTerrainLight/SkyLight.h>
 
@@ -32,7 +31,7 @@ inline bool isBlackAlbedo(const Rgb& albedo)
 }
 
 /// All that the setters of a tile set.
-struct OSGTERRAINLIGHT_EXPORT TileValues
+struct TileValues
 {
     LightingSettings settings;
     SkyLight sky;
@@ -69,10 +68,10 @@ struct OSGTERRAINLIGHT_EXPORT TileValues
 
 /// What the skyRadiance of shaders/lights/sky.glsl is: what the sky's share of light is multiplied
 /// by.
-OSGTERRAINLIGHT_EXPORT Rgb skyGain(const SkyLight& sky);
+Rgb skyGain(const SkyLight& sky);
 
 /// What a tile is lit with, for its nodes, and resources that say when it has changed.
-struct OSGTERRAINLIGHT_EXPORT TileInputs : public osg::Referenced, public TileValues
+struct TileInputs : public osg::Referenced, public TileValues
 {
     TileInputs();
 

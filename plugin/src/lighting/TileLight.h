@@ -1,7 +1,6 @@
 #pragma once
 
 #include <osgTerrainLight/DemTile.h>
-#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/HorizonMap.h>
 #include <osgTerrainLight/LightingSettings.h>
 #include <osgTerrainLight/SkyLight.h>
@@ -40,7 +39,7 @@ namespace osgTerrainLight
 /// adds them to direct light), probe (there are probes). With a BounceMethod other than Slices,
 /// horizon, sky, key, sun and gloss do not exist: where there is any light, shade takes it from the
 /// pyramid.
-class OSGTERRAINLIGHT_EXPORT TileLight : public osg::Referenced
+class TileLight : public osg::Referenced
 {
 public:
     TileLight(const DemTile& tile, const LightingSettings& settings, const SkyLight& sky,

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <osgTerrainLight/DemTile.h>
-#include <osgTerrainLight/Export.h>
 
 #include "gpu/WorkGraph.h"
 
@@ -9,7 +8,7 @@ namespace osgTerrainLight
 {
 
 /// Heights of one tile on the GPU, and the distances between its posts.
-class OSGTERRAINLIGHT_EXPORT TileSurface : public GpuWork
+class TileSurface : public GpuWork
 {
 public:
     /// frame: void posts on every side. bodyRadius [m]: as in LightingSettings. changing: a node

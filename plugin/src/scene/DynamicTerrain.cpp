@@ -14,6 +14,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace osgTerrainLight
 {
@@ -76,32 +78,52 @@ osg::ref_ptr<osg::Geometry> createGrid(const DynamicTerrain& terrain)
 }
 } // namespace
 
-DynamicTerrain::DynamicTerrain()
+struct DynamicTerrain::Implementation
+{
+    DemTile tile;
+    HeightCallback callback;
+    std::vector<float> heights;
+    osg::ref_ptr<osg::Texture2D> own, theirs;
+    unsigned unit = heightUnit;
+    osg::ref_ptr<osg::Uniform> hasColour, sampler;
+    osg::BoundingBox box;
+    bool rangeGiven = false;
+    unsigned revision = 0;
+    std::pair<unsigned, double> lastFrame{~0u, 0.0}; ///< number and reference time
+};
+
+DynamicTerrain::DynamicTerrain() : _implementation(new Implementation)
 {
     create();
 }
 
-DynamicTerrain::DynamicTerrain(const DemTile& tile) : _tile(tile)
+DynamicTerrain::DynamicTerrain(const DemTile& tile) : _implementation(new Implementation)
 {
+    _implementation->tile = tile;
     create();
 }
 
 DynamicTerrain::DynamicTerrain(const DynamicTerrain& other, const osg::CopyOp& copyop)
-    : osg::Group(other, copyop), _tile(other._tile), _callback(other._callback),
-      _rangeGiven(other._rangeGiven), _revision(other._revision)
+    : osg::Group(other, copyop), _implementation(new Implementation)
 {
+    const Implementation& there = *other._implementation;
+    _implementation->tile = there.tile;
+    _implementation->callback = there.callback;
+    _implementation->rangeGiven = there.rangeGiven;
+    _implementation->revision = there.revision;
+    _implementation->unit = there.unit;
     removeChildren(0, getNumChildren());
     if (getStateSet()) // the other's texture and program are not for this one
         setStateSet(new osg::StateSet(*getStateSet()));
     create();
-    _box = other._box;
-    if (other._own)
+    _implementation->box = there.box;
+    if (there.own)
     {
-        _heights = other._heights;
-        static_cast<HeightTexture&>(*_own).set(_heights.data());
+        _implementation->heights = there.heights;
+        static_cast<HeightTexture&>(*_implementation->own).set(_implementation->heights.data());
     }
-    if (other._theirs)
-        setHeightTexture(other._theirs);
+    if (there.theirs)
+        setHeightTexture(there.theirs);
 }
 
 DynamicTerrain::~DynamicTerrain() = default;
@@ -109,41 +131,87 @@ DynamicTerrain::~DynamicTerrain() = default;
 void DynamicTerrain::create()
 {
     setNumChildrenRequiringUpdateTraversal(getNumChildrenRequiringUpdateTraversal() + 1);
-    if (_tile.width() < 2 || _tile.height() < 2)
+    if (_implementation->tile.width() < 2 || _implementation->tile.height() < 2)
         return;
-    _heights = _tile.heights();
-    for (std::size_t i = 0; i < _heights.size(); ++i)
-        if (!_tile.validity()[i])
-            _heights[i] = std::numeric_limits<float>::quiet_NaN();
-    osg::ref_ptr<HeightTexture> own = new HeightTexture(_tile.width(), _tile.height());
-    const auto [lowest, highest] = own->set(_heights.data());
-    _own = own;
+    _implementation->heights = _implementation->tile.heights();
+    for (std::size_t i = 0; i < _implementation->heights.size(); ++i)
+        if (!_implementation->tile.validity()[i])
+            _implementation->heights[i] = std::numeric_limits<float>::quiet_NaN();
+    osg::ref_ptr<HeightTexture> own =
+        new HeightTexture(_implementation->tile.width(), _implementation->tile.height());
+    const auto [lowest, highest] = own->set(_implementation->heights.data());
+    _implementation->own = own;
     include(lowest, highest);
     addChild(createGrid(*this));
 
     osg::StateSet& stateSet = *getOrCreateStateSet();
     stateSet.setDataVariance(osg::Object::DYNAMIC); // its texture may change, and light be added
-    stateSet.setTextureAttribute(heightUnit, _own); // no mode, as fixed function must not see it
-    stateSet.addUniform(new osg::Uniform(heightSampler, static_cast<int>(heightUnit)));
+    stateSet.setTextureAttribute(
+        _implementation->unit, _implementation->own); // no mode, as fixed function must not see it
+    _implementation->sampler =
+        new osg::Uniform(heightSampler, static_cast<int>(_implementation->unit));
+    stateSet.addUniform(_implementation->sampler);
     stateSet.setAttribute(new DisplacedProgram);
     stateSet.addUniform(new osg::Uniform("osgTerrainLight_colour", 0));
-    _hasColour = new osg::Uniform("osgTerrainLight_hasColour", false);
-    stateSet.addUniform(_hasColour);
+    _implementation->hasColour = new osg::Uniform("osgTerrainLight_hasColour", false);
+    stateSet.addUniform(_implementation->hasColour);
 }
 
 void DynamicTerrain::setHeightCallback(HeightCallback callback)
 {
-    _callback = std::move(callback);
+    _implementation->callback = std::move(callback);
+}
+
+const DemTile& DynamicTerrain::getTile() const
+{
+    return _implementation->tile;
+}
+
+void DynamicTerrain::dirtyHeights()
+{
+    ++_implementation->revision;
+}
+
+unsigned DynamicTerrain::getHeightRevision() const
+{
+    return _implementation->revision;
+}
+
+osg::BoundingBox DynamicTerrain::getBoundingBox() const
+{
+    return _implementation->box;
+}
+
+void DynamicTerrain::setHeightUnit(unsigned unit)
+{
+    if (unit > 31)
+    {
+        warn("height unit not set: needs 0 ... 31");
+        return;
+    }
+    osg::StateSet* stateSet = getStateSet();
+    if (stateSet && _implementation->own && unit != _implementation->unit)
+    {
+        stateSet->removeTextureAttribute(_implementation->unit, osg::StateAttribute::TEXTURE);
+        stateSet->setTextureAttribute(unit, getHeightTexture());
+        _implementation->sampler->set(static_cast<int>(unit));
+    }
+    _implementation->unit = unit;
+}
+
+unsigned DynamicTerrain::getHeightUnit() const
+{
+    return _implementation->unit;
 }
 
 osg::Texture2D* DynamicTerrain::getHeightTexture() const
 {
-    return _theirs ? _theirs : _own;
+    return _implementation->theirs ? _implementation->theirs : _implementation->own;
 }
 
 bool DynamicTerrain::setHeightTexture(osg::Texture2D* texture)
 {
-    if (!_own)
+    if (!_implementation->own)
         return false;
     if (texture)
     {
@@ -152,10 +220,10 @@ bool DynamicTerrain::setHeightTexture(osg::Texture2D* texture)
         const int height = image ? image->t() : texture->getTextureHeight();
         const auto filter = texture->getFilter(osg::Texture::MIN_FILTER);
         std::string problem;
-        if (width != _tile.width() || height != _tile.height())
+        if (width != _implementation->tile.width() || height != _implementation->tile.height())
             problem = "has " + std::to_string(width) + " x " + std::to_string(height) +
-                      " texels, the tile " + std::to_string(_tile.width()) + " x " +
-                      std::to_string(_tile.height()) + " posts";
+                      " texels, the tile " + std::to_string(_implementation->tile.width()) + " x " +
+                      std::to_string(_implementation->tile.height()) + " posts";
         else if (texture->getInternalFormat() != GL_R32F)
             problem = "its internal format is not GL_R32F";
         else if (filter != osg::Texture::NEAREST && filter != osg::Texture::LINEAR)
@@ -166,8 +234,8 @@ bool DynamicTerrain::setHeightTexture(osg::Texture2D* texture)
             return false;
         }
     }
-    _theirs = texture;
-    getOrCreateStateSet()->setTextureAttribute(heightUnit, getHeightTexture());
+    _implementation->theirs = texture;
+    getOrCreateStateSet()->setTextureAttribute(_implementation->unit, getHeightTexture());
     dirtyHeights();
     return true;
 }
@@ -179,27 +247,32 @@ void DynamicTerrain::setHeightRange(float lowest, float highest)
         warn("height range not set: needs lowest <= highest");
         return;
     }
-    _rangeGiven = false;
-    _box.init();
+    _implementation->rangeGiven = false;
+    _implementation->box.init();
     include(lowest, highest);
-    _rangeGiven = true;
+    _implementation->rangeGiven = true;
 }
 
 void DynamicTerrain::include(float lowest, float highest)
 {
-    if (_rangeGiven || lowest > highest ||
-        (_box.valid() && lowest >= _box.zMin() && highest <= _box.zMax()))
+    if (_implementation->rangeGiven || lowest > highest ||
+        (_implementation->box.valid() && lowest >= _implementation->box.zMin() &&
+         highest <= _implementation->box.zMax()))
         return;
-    if (_box.valid())
+    if (_implementation->box.valid())
     {
         // What grows may grow on: changed bounds cost a search for tiles.
-        const float more = 0.1f * (std::max(highest, _box.zMax()) - std::min(lowest, _box.zMin()));
-        lowest = lowest < _box.zMin() ? lowest - more : _box.zMin();
-        highest = highest > _box.zMax() ? highest + more : _box.zMax();
+        const float more = 0.1f * (std::max(highest, _implementation->box.zMax()) -
+                                   std::min(lowest, _implementation->box.zMin()));
+        lowest = lowest < _implementation->box.zMin() ? lowest - more : _implementation->box.zMin();
+        highest =
+            highest > _implementation->box.zMax() ? highest + more : _implementation->box.zMax();
     }
-    const float east = static_cast<float>(0.5 * (_tile.width() - 1) * _tile.nominalEastSpacing());
-    const float north = static_cast<float>(0.5 * (_tile.height() - 1) * _tile.northSpacing);
-    _box.set(-east, -north, lowest, east, north, highest);
+    const float east = static_cast<float>(0.5 * (_implementation->tile.width() - 1) *
+                                          _implementation->tile.nominalEastSpacing());
+    const float north = static_cast<float>(0.5 * (_implementation->tile.height() - 1) *
+                                           _implementation->tile.northSpacing);
+    _implementation->box.set(-east, -north, lowest, east, north, highest);
     for (unsigned i = 0; i < getNumChildren(); ++i)
         getChild(i)->dirtyBound();
 }
@@ -207,25 +280,27 @@ void DynamicTerrain::include(float lowest, float highest)
 void DynamicTerrain::follow(osg::NodeVisitor& visitor)
 {
     const osg::FrameStamp* stamp = visitor.getFrameStamp();
-    if (!_own)
+    if (!_implementation->own)
         return;
     if (stamp)
     {
         const std::pair frame(stamp->getFrameNumber(), stamp->getReferenceTime());
-        if (frame == _lastFrame)
+        if (frame == _implementation->lastFrame)
             return; // it stands in several places
-        _lastFrame = frame;
+        _implementation->lastFrame = frame;
     }
     const bool colour = getStateSet() && getStateSet()->getTextureAttribute(
                                              0, osg::StateAttribute::TEXTURE) != nullptr;
     bool current = colour;
-    if (_hasColour->get(current) && current != colour)
-        _hasColour->set(colour);
-    if (_theirs || !_callback ||
-        !_callback(stamp ? stamp->getSimulationTime() : 0.0, _tile.width(), _tile.height(),
-                   _heights.data()))
+    if (_implementation->hasColour->get(current) && current != colour)
+        _implementation->hasColour->set(colour);
+    if (_implementation->theirs || !_implementation->callback ||
+        !_implementation->callback(stamp ? stamp->getSimulationTime() : 0.0,
+                                   _implementation->tile.width(), _implementation->tile.height(),
+                                   _implementation->heights.data()))
         return;
-    const auto [lowest, highest] = static_cast<HeightTexture&>(*_own).set(_heights.data());
+    const auto [lowest, highest] =
+        static_cast<HeightTexture&>(*_implementation->own).set(_implementation->heights.data());
     include(lowest, highest);
     dirtyHeights();
 }
@@ -240,15 +315,15 @@ void DynamicTerrain::traverse(osg::NodeVisitor& visitor)
 void DynamicTerrain::releaseGLObjects(osg::State* state) const
 {
     osg::Group::releaseGLObjects(state);
-    if (_own)
-        _own->releaseGLObjects(state);
+    if (_implementation->own)
+        _implementation->own->releaseGLObjects(state);
 }
 
 void DynamicTerrain::resizeGLObjectBuffers(unsigned size)
 {
     osg::Group::resizeGLObjectBuffers(size);
-    if (_own)
-        _own->resizeGLObjectBuffers(size);
+    if (_implementation->own)
+        _implementation->own->resizeGLObjectBuffers(size);
 }
 
 } // namespace osgTerrainLight

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/ShadingTexture.h>
 
 #include <osg/Program>
@@ -17,7 +16,7 @@ namespace osgTerrainLight
 /// Puts a shading texture on a host's StateSet, and takes it off when destroyed: the StateSet is
 /// then what it was, but for what the host itself changed meanwhile. Between, the StateSet is
 /// osg::Object::DYNAMIC: updates wait for threads that draw with it, so that it may be changed.
-class OSGTERRAINLIGHT_EXPORT ShadingBinding
+class ShadingBinding
 {
 public:
     /// program: null where the host's own shaders read the texture. Precondition: stateSet was
@@ -76,10 +75,9 @@ private:
 };
 
 /// The program for stock osgTerrain tiles, from shaders/host. glossy: adds light sent by gloss.
-OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Program> createDefaultProgram(bool glossy = false);
+osg::ref_ptr<osg::Program> createDefaultProgram(bool glossy = false);
 
 /// The same for DynamicTerrain, which it displaces; without light where !lit. Needs OpenGL 3.3.
-OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Program> createDisplacedProgram(bool lit,
-                                                                         bool glossy = false);
+osg::ref_ptr<osg::Program> createDisplacedProgram(bool lit, bool glossy = false);
 
 } // namespace osgTerrainLight

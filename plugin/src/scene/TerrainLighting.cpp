@@ -472,7 +472,7 @@ TileHandle TerrainLighting::addTile(DynamicTerrain* terrain, const TileHandle& n
     Implementation& here = *_implementation;
     if (!terrain || !terrain->getHeightTexture() ||
         here.registry.isTaken(terrain->getOrCreateStateSet()) || !here.isFree(name) ||
-        here.binder.units.shading == DynamicTerrain::heightUnit)
+        here.binder.units.shading == terrain->getHeightUnit())
     {
         warn("dynamic terrain not added: needs 2 x 2 posts or more, not to have been added, a "
              "texture unit other than that of its heights, and a level, x and y that no other tile "

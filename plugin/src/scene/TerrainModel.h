@@ -4,7 +4,6 @@
 #include "io/EarthFile.h"
 #include "io/LightParameters.h"
 #include "io/MapReader.h"
-#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include <optional>
@@ -28,27 +27,26 @@ constexpr int mostDrawnPosts = 2048;
 /// The tile as an osgTerrain::TerrainTile in metres: x east, y north, from its middle; z above the
 /// vertical datum. Voids have no geometry. colours: bottom first, over white. Precondition: at
 /// least 2 × 2 posts.
-OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Node>
-createTerrain(const DemTile& tile, const std::vector<ColourImage>& colours = {});
+osg::ref_ptr<osg::Node> createTerrain(const DemTile& tile,
+                                      const std::vector<ColourImage>& colours = {});
 
 /// A node with the light that people asked for, without terrain. folder: what the relative name of
 /// a sky's file starts from. A sky that cannot be read is left out, with a warning.
-OSGTERRAINLIGHT_EXPORT osg::ref_ptr<TerrainLighting>
-createLighting(const LightParameters& light, const std::string& folder,
-               std::vector<std::string>& warnings);
+osg::ref_ptr<TerrainLighting> createLighting(const LightParameters& light,
+                                             const std::string& folder,
+                                             std::vector<std::string>& warnings);
 
 /// Time and place of the light, the place of the tile below where none was given. An error where
 /// there is a time and no place.
-OSGTERRAINLIGHT_EXPORT Status setTimeAndPlace(TerrainLighting& node, const LightParameters& light,
-                                              const std::optional<DemTile>& tile);
+Status setTimeAndPlace(TerrainLighting& node, const LightParameters& light,
+                       const std::optional<DemTile>& tile);
 
 /// A lit DEM.
-OSGTERRAINLIGHT_EXPORT Result<TerrainModel>
-loadRaster(const std::string& path, const DemReadOptions& read, const LightParameters& light);
+Result<TerrainModel> loadRaster(const std::string& path, const DemReadOptions& read,
+                                const LightParameters& light);
 
 /// A lit map; layers that cannot be read are left out, with a warning each. folder: what relative
 /// URLs start from. source: what messages call the map.
-OSGTERRAINLIGHT_EXPORT TerrainModel loadMap(const EarthMap& map, const std::string& folder,
-                                            const std::string& source);
+TerrainModel loadMap(const EarthMap& map, const std::string& folder, const std::string& source);
 
 } // namespace osgTerrainLight

@@ -3,7 +3,6 @@
 #include "core/Raster.h"
 #include "core/Result.h"
 #include <osgTerrainLight/DemTile.h>
-#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/ShadingTexture.h>
 #include <osgTerrainLight/SkyLight.h>
 
@@ -40,38 +39,34 @@ struct TilePart
 
 /// Heights of a tile in metres, through its elevation layer and locator. toScene: from the tile's
 /// frame to that of TerrainLighting. An error where rows do not run east, or heights not up.
-OSGTERRAINLIGHT_EXPORT Result<DemTile> readTerrainTile(osgTerrain::TerrainTile& tile,
-                                                       const osg::Matrixd& toScene);
+Result<DemTile> readTerrainTile(osgTerrain::TerrainTile& tile, const osg::Matrixd& toScene);
 
 /// The tile's first colour layer as an albedo per post: a picture over the tile's whole extent, its
 /// bytes sRGB. Empty where it has none, one that is no picture, or one compressed for the GPU.
-OSGTERRAINLIGHT_EXPORT Raster<Rgb> readTerrainAlbedo(const osgTerrain::TerrainTile& tile, int width,
-                                                     int height);
+Raster<Rgb> readTerrainAlbedo(const osgTerrain::TerrainTile& tile, int width, int height);
 
 /// Gloss and exponent per post from a colour layer (TerrainLighting::setGlossLayer()): a picture
 /// over the tile's whole extent, its values linear. Empty where the tile has no such layer, one
 /// that is no picture, or one compressed for the GPU.
-OSGTERRAINLIGHT_EXPORT Raster<std::array<float, 2>>
-readTerrainGloss(const osgTerrain::TerrainTile& tile, int layer, int width, int height);
+Raster<std::array<float, 2>> readTerrainGloss(const osgTerrain::TerrainTile& tile, int layer,
+                                              int width, int height);
 
 /// The picture of a colour layer; null where there is none.
-OSGTERRAINLIGHT_EXPORT const osg::Image* pictureOf(const osgTerrain::TerrainTile& tile, int layer);
+const osg::Image* pictureOf(const osgTerrain::TerrainTile& tile, int layer);
 
 /// True where the first colour layer is a picture.
-OSGTERRAINLIGHT_EXPORT bool hasColour(const osgTerrain::TerrainTile& tile);
+bool hasColour(const osgTerrain::TerrainTile& tile);
 
 /// How the vertices of the parts find their place on the tile: by position where the locator is
 /// affine, else nothing is returned.
-OSGTERRAINLIGHT_EXPORT std::optional<ShadingCoordinates>
-affineCoordinates(const osgTerrain::TerrainTile& tile, const std::vector<TilePart>& parts);
+std::optional<ShadingCoordinates> affineCoordinates(const osgTerrain::TerrainTile& tile,
+                                                    const std::vector<TilePart>& parts);
 
 /// The rotation from the axes of the parts' vertices to the tile's: east, north, up.
-OSGTERRAINLIGHT_EXPORT osg::Matrixd tileFrame(const osgTerrain::TerrainTile& tile,
-                                              const std::vector<TilePart>& parts);
+osg::Matrixd tileFrame(const osgTerrain::TerrainTile& tile, const std::vector<TilePart>& parts);
 
 /// Gives the parts' vertices tile coordinates, in set ShadingTexture::coordinateSet, where they
 /// have none yet. Only for geometry that has not been drawn.
-OSGTERRAINLIGHT_EXPORT void addTileCoordinates(const osgTerrain::TerrainTile& tile,
-                                               const std::vector<TilePart>& parts);
+void addTileCoordinates(const osgTerrain::TerrainTile& tile, const std::vector<TilePart>& parts);
 
 } // namespace osgTerrainLight

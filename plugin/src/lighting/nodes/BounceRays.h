@@ -1,6 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/LightingSettings.h>
 
 #include "gpu/WorkGraph.h"
@@ -13,7 +12,7 @@ namespace osgTerrainLight
 {
 
 /// How a bounce samples the terrain that a post sees. docs/ARCHITECTURE.md has the measurements.
-struct OSGTERRAINLIGHT_EXPORT BounceScheme
+struct BounceScheme
 {
     /// Samples per doubling of the distance, 1 … 16: the level step k of Nowrouzezahrai and Snyder
     /// 2009. Where they would be less than a post apart, there is one per post.
@@ -35,12 +34,11 @@ struct BounceSample
 
 /// Samples up to `reach` steps away, nearest first. Those of level 0 are at whole steps, and come
 /// first. Fewer per octave than the scheme asks for where that is more than a pass can hold (128).
-OSGTERRAINLIGHT_EXPORT std::vector<BounceSample> bounceSamples(const BounceScheme& scheme,
-                                                               int reach, int levelCount);
+std::vector<BounceSample> bounceSamples(const BounceScheme& scheme, int reach, int levelCount);
 
 /// Rays from posts over a tile's heights, far ones over their pyramid: what every pass that looks
 /// for the terrain a post sees is given.
-class OSGTERRAINLIGHT_EXPORT BounceRays : public GpuWork
+class BounceRays : public GpuWork
 {
 public:
     BounceRays(const PyramidNode& pyramid, const BounceScheme& scheme, int azimuths);

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include "core/Result.h"
 #include "gpu/WorkGraph.h"
 
@@ -13,7 +11,7 @@ namespace osgTerrainLight
 
 /// An environment in spherical harmonics (King 2005, section 10.3.1): one pass over its texels, and
 /// one that adds what its groups found. Sums are in a fixed order: the same bits in every run.
-class OSGTERRAINLIGHT_EXPORT EnvironmentHarmonicsPass : public GpuWork
+class EnvironmentHarmonicsPass : public GpuWork
 {
 public:
     /// order: 2 … 6, for 4 … 36 coefficients.
@@ -46,7 +44,7 @@ private:
 };
 
 /// A cube map of an environment convolved with a kernel (King 2005, section 10.3.2).
-class OSGTERRAINLIGHT_EXPORT IrradianceMapPass : public GpuWork
+class IrradianceMapPass : public GpuWork
 {
 public:
     /// Reads RGBA32F harmonics of an order, as EnvironmentHarmonicsPass has them.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/LightingSettings.h>
 
 #include "gpu/WorkGraph.h"
@@ -17,7 +16,7 @@ class SentNode;
 /// Light that a glossy tile sends, as spherical harmonics of order 4 of the direction that it
 /// leaves in: the vector pyramid of Nowrouzezahrai and Snyder 2009 (section 5.3), but of exit
 /// radiance, which filters linearly where normals differ. What all nodes of gloss share.
-class OSGTERRAINLIGHT_EXPORT GlossWork : public GpuWork
+class GlossWork : public GpuWork
 {
 public:
     /// Of what the viewer reads: 12 of harmonics (gloss.comp), one of the surface.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/LightingSettings.h>
 
 #include "core/AzimuthSet.h"
@@ -18,7 +17,7 @@ namespace osgTerrainLight
 struct GridDirection;
 
 /// What a quality stands for. docs/ARCHITECTURE.md has the measurements that chose the numbers.
-struct OSGTERRAINLIGHT_EXPORT HorizonScheme
+struct HorizonScheme
 {
     int reach = 8;        ///< steps of the near field, 1 … 64
     int linesPerPost = 1; ///< lines of the sweep per post, 1 … 8
@@ -33,7 +32,7 @@ struct OSGTERRAINLIGHT_EXPORT HorizonScheme
 /// Horizons of a tile for a list of directions: a linear-time sweep for what is far (Timonen and
 /// Westerholm 2010), an exact scan for what is near. Output: one layer of elevation codes
 /// (HorizonMap.h) per direction.
-class OSGTERRAINLIGHT_EXPORT HorizonNode : public Node
+class HorizonNode : public Node
 {
 public:
     using Directions = std::function<std::vector<MapDirection>()>;

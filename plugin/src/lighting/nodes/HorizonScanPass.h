@@ -1,7 +1,6 @@
 #pragma once
 
 #include <osgTerrainLight/DemTile.h>
-#include <osgTerrainLight/Export.h>
 
 #include "core/AzimuthSet.h"
 #include "core/Raster.h"
@@ -25,8 +24,8 @@ struct TilePost
 /// for the bilinear surface but for rounding. Returns tangents of the elevation, one row per
 /// direction, one column per post, −1e30 or less where nothing lies ahead. At most 16384 posts.
 /// Needs a current context.
-OSGTERRAINLIGHT_EXPORT Result<Raster<double>>
-scanHorizons(osg::State& state, const DemTile& tile, const std::vector<TilePost>& posts,
-             const std::vector<MapDirection>& directions);
+Result<Raster<double>> scanHorizons(osg::State& state, const DemTile& tile,
+                                    const std::vector<TilePost>& posts,
+                                    const std::vector<MapDirection>& directions);
 
 } // namespace osgTerrainLight

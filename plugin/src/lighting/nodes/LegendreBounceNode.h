@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include "gpu/WorkGraph.h"
 #include "lighting/TileInputs.h"
 #include "lighting/nodes/LegendreLight.h"
@@ -13,7 +11,7 @@ namespace osgTerrainLight
 TextureLayout blockLayout(const TileSurface& surface, int stride);
 
 /// What posts send out in one bounce, one of each block: post_radiance.comp.
-class OSGTERRAINLIGHT_EXPORT LegendreSentNode : public Node
+class LegendreSentNode : public Node
 {
 public:
     /// light: irradiance / π that is sent on, a texel per post, or where byBlock per block. paced:
@@ -42,7 +40,7 @@ private:
 /// Passes of the bounces as Nowrouzezahrai and Snyder 2009 compute them: slices in normalised
 /// Legendre polynomials, joined to spherical harmonics of order 4, and no horizon map. The
 /// yardstick for BounceNode; docs/ARCHITECTURE.md has what it leaves of the light.
-class OSGTERRAINLIGHT_EXPORT LegendreGather : public GpuWork
+class LegendreGather : public GpuWork
 {
 public:
     LegendreGather(const PyramidNode& pyramid, const LegendreScheme& scheme);
@@ -63,7 +61,7 @@ private:
 };
 
 /// One such bounce.
-class OSGTERRAINLIGHT_EXPORT LegendreBounceNode : public Node
+class LegendreBounceNode : public Node
 {
 public:
     /// light, blocks: as of LegendreGather; the node owns both. light: rgb = irradiance / π, which

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include "gpu/WorkGraph.h"
 #include "lighting/TileInputs.h"
 #include "lighting/nodes/LegendreLight.h"
@@ -14,7 +12,7 @@ namespace osgTerrainLight
 /// Direct light as Nowrouzezahrai and Snyder 2009 compute it: visibility from the height pyramid
 /// alone, in spherical harmonics of order 4, times the sky's; key lights, the sun among them, at
 /// azimuths of their own. docs/ARCHITECTURE.md has what it leaves of the light.
-class OSGTERRAINLIGHT_EXPORT LegendreDirectNode : public Node
+class LegendreDirectNode : public Node
 {
 public:
     /// direct: RGBA16F, a texel per post, which the node owns: rgb = irradiance / π, ≥ 0; a =

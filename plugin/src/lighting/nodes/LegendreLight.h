@@ -1,6 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
 #include <osgTerrainLight/LightingSettings.h>
 
 #include "core/WedgeMatrices.h"
@@ -15,7 +14,7 @@ namespace osgTerrainLight
 {
 
 /// How the scheme of Nowrouzezahrai and Snyder 2009 samples a tile.
-struct OSGTERRAINLIGHT_EXPORT LegendreScheme
+struct LegendreScheme
 {
     /// Samples at 2^(i/samplesPerOctave) steps, i = 0, 1, …, 1 … 64 per octave.
     BounceScheme rays = {8.0, 4.0};

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include "gpu/WorkGraph.h"
 #include "lighting/TileInputs.h"
 #include "lighting/TileSurface.h"
@@ -12,7 +10,7 @@ namespace osgTerrainLight
 
 /// Light at places on a tile from all around: sky above the horizon that the place has, below it
 /// what the ground sends there, as irradiance maps of TileInputs::probes.
-class OSGTERRAINLIGHT_EXPORT ProbeNode : public Node
+class ProbeNode : public Node
 {
 public:
     /// Of the harmonics: the first that leaves nothing of Lambert's kernel but the 0.5 % of l = 6

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include "gpu/WorkGraph.h"
 #include "lighting/nodes/BounceRays.h"
 #include "lighting/nodes/PyramidNode.h"
@@ -12,7 +10,7 @@ namespace osgTerrainLight
 /// Horizons of a tile in equally spaced azimuths from a pyramid of heights (Nowrouzezahrai and
 /// Snyder 2009, section 5.2): the other producer of what HorizonNode makes, for comparison. Cheap
 /// and blurred; docs/ARCHITECTURE.md has by how much.
-class OSGTERRAINLIGHT_EXPORT PyramidHorizonNode : public Node
+class PyramidHorizonNode : public Node
 {
 public:
     enum class Join

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include "core/Result.h"
 #include "gpu/GpuPass.h"
 
@@ -13,7 +11,7 @@ namespace osgTerrainLight
 {
 
 /// Where the levels of a pyramid stand in its texture. Level 0 is a texture of its own.
-struct OSGTERRAINLIGHT_EXPORT PyramidLayout
+struct PyramidLayout
 {
     struct Level
     {

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include "gpu/WorkGraph.h"
 #include "lighting/TileSurface.h"
 #include "lighting/nodes/PyramidLayout.h"
@@ -11,7 +9,7 @@ namespace osgTerrainLight
 
 /// Heights of a tile, coarser and coarser: what a scan reads far away (Nowrouzezahrai and Snyder
 /// 2009, section 5.2).
-class OSGTERRAINLIGHT_EXPORT PyramidNode : public Node
+class PyramidNode : public Node
 {
 public:
     explicit PyramidNode(const TileSurface& surface);

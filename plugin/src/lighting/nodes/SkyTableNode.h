@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include "gpu/WorkGraph.h"
 #include "lighting/TileInputs.h"
 
@@ -13,12 +11,11 @@ namespace osgTerrainLight
 {
 
 /// `harmonics` of shaders: vec3[16], from 1, 4, 9 or 16 coefficients.
-OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Uniform>
-harmonicsUniform(const std::vector<Rgb>& harmonics);
+osg::ref_ptr<osg::Uniform> harmonicsUniform(const std::vector<Rgb>& harmonics);
 
 /// The light of a sky of any radiance per slice of azimuth and zenith angle (sky_table.comp;
 /// Timonen and Westerholm 2010, Eq. 6 and 7).
-class OSGTERRAINLIGHT_EXPORT SkyTableNode : public Node
+class SkyTableNode : public Node
 {
 public:
     /// azimuths: those of the horizon map. rows: of equal angles of elevation;

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <osgTerrainLight/Export.h>
-
 #include "core/AzimuthSet.h"
 #include "lighting/TileInputs.h"
 #include "lighting/TileSurface.h"
@@ -14,7 +12,7 @@ namespace osgTerrainLight
 {
 
 /// Towards the left, the centre and the right of the sun's disc.
-OSGTERRAINLIGHT_EXPORT std::array<MapDirection, 3> sunDirections(const SkyLight& sky);
+std::array<MapDirection, 3> sunDirections(const SkyLight& sky);
 
 /// The sun: a disc, whose visible part three horizons tell.
 class Sun : public LightSource

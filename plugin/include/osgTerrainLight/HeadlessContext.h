@@ -2,10 +2,7 @@
 
 #include <osgTerrainLight/Export.h>
 
-#include "core/Result.h"
-
 #include <osg/State>
-#include <osg/ref_ptr>
 #include <osgViewer/GraphicsWindow>
 
 #include <memory>
@@ -20,29 +17,27 @@ namespace osgTerrainLight
 class OSGTERRAINLIGHT_EXPORT HeadlessContext
 {
 public:
-    /// Makes the context current on the calling thread.
-    static Result<std::unique_ptr<HeadlessContext>> create(int width = 16, int height = 16);
+    /// Makes the context current on the calling thread. Null where none can be had; problem then
+    /// says why.
+    static std::unique_ptr<HeadlessContext> create(int width, int height, std::string& problem);
     ~HeadlessContext();
     HeadlessContext(const HeadlessContext&) = delete;
     HeadlessContext& operator=(const HeadlessContext&) = delete;
 
     bool makeCurrent();
 
-    osgViewer::GraphicsWindowEmbedded* window() { return _window.get(); }
+    osgViewer::GraphicsWindowEmbedded* window() const;
 
-    /// OSG's view of the context: what passes are dispatched with.
-    osg::State& state() { return *_window->getState(); }
+    /// OSG's view of the context: what compute passes are dispatched with.
+    osg::State& state() const;
 
     /// Which way led to it, for instance "EGL surfaceless".
-    const std::string& platform() const { return _platform; }
+    const std::string& platform() const;
 
 private:
-    HeadlessContext() = default;
-
-    struct Handles;
-    std::unique_ptr<Handles> _handles;
-    osg::ref_ptr<osgViewer::GraphicsWindowEmbedded> _window;
-    std::string _platform;
+    struct Implementation;
+    explicit HeadlessContext(std::unique_ptr<Implementation> implementation);
+    std::unique_ptr<Implementation> _implementation;
 };
 
 } // namespace osgTerrainLight
