@@ -707,6 +707,36 @@ TEST(DynamicTerrain, IsGlossyWhereThereIsLight)
     EXPECT_EQ(said.count("gloss of tile not set: "), 3);
 }
 
+// Expected: the picture is the same, from another texture unit; and no unit for two textures.
+TEST(DynamicTerrain, HeightsHaveTheTextureUnitThatWasSet)
+{
+    OTL_NEED_GL(context);
+    Said said;
+    const auto bump = std::make_shared<Bump>();
+    osg::ref_ptr<DynamicTerrain> terrain = levelGround();
+    terrain->setHeightCallback([bump](double time, int width, int height, float* heights)
+                               { return (*bump)(time, width, height, heights); });
+    osg::ref_ptr<TerrainLighting> lighting = litTerrain(terrain);
+    ScenePicture picture(lighting, reach);
+    picture.draw(2);
+    const std::vector<unsigned char> before = picture.pixels();
+    terrain->setHeightUnit(12);
+    picture.draw();
+    EXPECT_EQ(picture.pixels(), before);
+    EXPECT_NEAR(heightSeen(placeOf(8), 0.0), 100.0, depthStep);
+    const auto texture = osg::StateAttribute::TEXTURE;
+    EXPECT_TRUE(terrain->getStateSet()->getTextureAttribute(12, texture));
+    EXPECT_FALSE(terrain->getStateSet()->getTextureAttribute(DynamicTerrain::heightUnit, texture));
+    terrain->setHeightUnit(32);
+    EXPECT_EQ(terrain->getHeightUnit(), 12u);
+    EXPECT_EQ(said.count("height unit not set"), 1);
+    const osg::ref_ptr<TerrainLighting> other = lightingWithoutBudget();
+    other->setTextureUnit(12);
+    EXPECT_FALSE(other->addTile(terrain));
+    EXPECT_EQ(said.count("not added"), 1);
+    EXPECT_EQ(takeGlErrors(), "");
+}
+
 TEST(DynamicTerrain, IsDisplacedWithoutLightToo)
 {
     OTL_NEED_GL(context);

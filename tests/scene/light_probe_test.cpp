@@ -111,6 +111,17 @@ TEST(LightProbe, LightsAnObjectOfTheHost)
     // What of the sun the ground sends does not reach the top.
     EXPECT_NEAR(picture.redAt(0.0, 0.0), expected(0.0, 0.5), 2.0);
 
+    // The same from other texture units.
+    const std::vector<unsigned char> before = picture.pixels();
+    scene.probe->setTextureUnits(11, 12);
+    picture.draw();
+    EXPECT_EQ(picture.pixels(), before);
+    const osg::StateSet& stateSet = *scene.probe->getStateSet();
+    const auto texture = osg::StateAttribute::TEXTURE;
+    EXPECT_EQ(stateSet.getTextureAttribute(11, texture), scene.probe->getDiffuseMap());
+    EXPECT_EQ(stateSet.getTextureAttribute(12, texture), scene.probe->getGlossyMap());
+    EXPECT_FALSE(stateSet.getTextureAttribute(LightProbe::diffuseUnit, texture));
+
     // Computed once per change, and not after it has been removed.
     const unsigned runs = scene.lighting->getDispatchCounts()["probe"];
     EXPECT_GE(runs, 2u);
@@ -166,6 +177,8 @@ TEST(LightProbe, BadValuesAreRefused)
     probe->setPlace(std::nan(""), 0.0);
     probe->setHeight(-1.0);
     probe->setExponent(0.5);
+    probe->setTextureUnits(5, 5);
+    EXPECT_EQ(said.count("texture units of probe not set: "), 1);
     EXPECT_EQ(probe->getRevision(), 0u);
     EXPECT_EQ(said.count("place of probe not set: "), 1);
     EXPECT_EQ(said.count("height of probe not set: "), 1);
