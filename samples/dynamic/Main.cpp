@@ -140,8 +140,8 @@ int drawFrames(osgViewer::Viewer& viewer, const TerrainLighting& lighting, const
         HeadlessContext::create(width, height, problem);
     if (!context)
     {
-        std::cerr << problem << '
-'; return 1;
+        std::cerr << problem << '\n';
+        return 1;
     }
     osgViewer::GraphicsWindowEmbedded* window = context->window();
     viewer.setThreadingModel(osgViewer::ViewerBase::SingleThreaded);
