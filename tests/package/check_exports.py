@@ -20,7 +20,7 @@ def declared(folder):
     for header in folder.rglob("*.h"):
         text = re.sub(r"//[^\n]*|#[^\n]*", "", header.read_text(encoding="utf-8"))
         classes |= set(re.findall(r"(?:class|struct)\s+OSGTERRAINLIGHT_EXPORT\s+(\w+)", text))
-        functions |= set(re.findall(r"(?<!class )(?<!struct )OSGTERRAINLIGHT_EXPORT\s[^;{]*?(\w+)\(", text))
+        functions |= set(re.findall(r"(?<!class )(?<!struct )OSGTERRAINLIGHT_EXPORT\s[^;{]*?(\w+)[=<>!+*-]*\(", text))
     return classes, functions
 
 
