@@ -1,9 +1,9 @@
 // What a tile costs, in bytes and runs of stages.
 #include "core/SyntheticTerrain.h"
-#include "gpu/HeadlessContext.h"
 #include "lighting/TileLight.h"
 #include "lighting/nodes/PyramidLayout.h"
 #include "support/GlContext.h"
+#include <osgTerrainLight/HeadlessContext.h>
 
 #include <gtest/gtest.h>
 
