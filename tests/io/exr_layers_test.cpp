@@ -23,7 +23,7 @@ Names coloured(const Names& layers)
 
 std::string first(const Names& channels, const Names& views = {})
 {
-    const std::vector<ExrLayer> layers = lightLayers(channels, views);
+    const std::vector<ExrLayer> layers = lightLayers({{"", channels, views}});
     return layers.empty() ? "none" : layers.front().prefix;
 }
 } // namespace
@@ -48,9 +48,9 @@ TEST(ExrLayers, VectorsAndDepthAreNoLuminance)
     EXPECT_EQ(first({"flow.X", "flow.Y", "sky.Y"}), "sky.");
     EXPECT_EQ(first({"Z", "A", "layer.Y"}), "layer.");
     EXPECT_EQ(first({"Y", "RY", "BY"}), "");
-    EXPECT_EQ(lightLayers({"Y", "RY", "BY"}, {})[0].kind, LayerKind::LuminanceChroma);
-    EXPECT_EQ(lightLayers({"Y", "RY"}, {})[0].kind, LayerKind::Luminance);
-    EXPECT_EQ(lightLayers({"Y", "R", "G", "B"}, {})[0].kind, LayerKind::Colours);
+    EXPECT_EQ(lightLayers({{"", {"Y", "RY", "BY"}, {}}})[0].kind, LayerKind::LuminanceChroma);
+    EXPECT_EQ(lightLayers({{"", {"Y", "RY"}, {}}})[0].kind, LayerKind::Luminance);
+    EXPECT_EQ(lightLayers({{"", {"Y", "R", "G", "B"}, {}}})[0].kind, LayerKind::Colours);
     EXPECT_EQ(first({"Z", "A", "R", "G"}), "none");
 }
 
@@ -61,5 +61,31 @@ TEST(ExrLayers, TheFirstViewCounts)
     EXPECT_EQ(first(coloured({"", "left"}), {"right", "left"}), "");
     EXPECT_EQ(first(coloured({"beauty.left", "beauty.right", "ao.right"}), {"right", "left"}),
               "beauty.right.");
-    EXPECT_EQ(lightLayers(coloured({"left", "right"}), {"right", "left"}).size(), 2u);
+    EXPECT_EQ(lightLayers({{"", coloured({"left", "right"}), {"right", "left"}}}).size(), 2u);
+}
+
+// In a file of several parts the part's name is the layer's (Nuke, Blender, Houdini), and a part
+// may have a view of its own; of equals the first counts.
+TEST(ExrLayers, PartsAreLayersByTheirNames)
+{
+    const Names rgb = {"B", "G", "R"};
+    const auto taken = [](const std::vector<ExrPart>& parts)
+    {
+        const std::vector<ExrLayer> layers = lightLayers(parts);
+        return layers.empty() ? std::string("none")
+                              : parts[layers[0].part].name + "/" + layers[0].prefix;
+    };
+    EXPECT_EQ(taken({{"normal", rgb, {}}, {"sky", rgb, {}}, {"sun", rgb, {}}}), "sky/");
+    EXPECT_EQ(taken({{"ao", rgb, {}}, {"specular", rgb, {}}, {"rgba", rgb, {}}}), "rgba/");
+    EXPECT_EQ(taken({{"View Layer.DiffDir", rgb, {}}, {"View Layer.Combined", rgb, {}}}),
+              "View Layer.Combined/");
+    EXPECT_EQ(taken({{"rgba_1", rgb, {}}, {"rgba_2", rgb, {}}}), "rgba_1/");
+    EXPECT_EQ(taken({{"C.right", rgb, {"right"}},
+                     {"beauty.left", rgb, {"left"}},
+                     {"beauty.right", rgb, {"right"}}}),
+              "beauty.left/");
+    EXPECT_EQ(taken({{"a", {"Z"}, {}}, {"b", {"beauty.B", "beauty.G", "beauty.R", "R"}, {}}}),
+              "b/beauty.");
+    EXPECT_EQ(taken({{"deep", {}, {}}, {"P", {"X", "Y", "Z"}, {}}}), "none");
+    EXPECT_EQ(taken({{"N", rgb, {}}}), "N/"); // nothing else: taken, and said
 }

@@ -187,54 +187,57 @@ Picture framed(Picture picture, const Imath::Box2i& data, const Imath::Box2i& di
     return result;
 }
 
-/// A layer of light and where it is.
+/// A layer of light; where there was a choice, or doubt, a sentence that says so.
 struct Choice
 {
-    int part = 0;
     ExrLayer layer;
-    std::string others; ///< layers of light that were not taken
+    std::string warning;
 };
 
-std::string nameOf(const Imf::Header& header, const ExrLayer& layer)
+std::string nameOf(const ExrPart& part, const ExrLayer& layer)
 {
     const std::string name = layer.prefix.substr(0, layer.prefix.find_last_of('.'));
-    const std::string part = header.hasName() ? "part \"" + header.name() + "\"" : "";
-    return name.empty() ? part.empty() ? "the layer without a name" : part
-                        : "the layer \"" + name + "\"" + (part.empty() ? "" : " of " + part);
+    const std::string of = part.name.empty() ? "" : "part \"" + part.name + "\"";
+    return name.empty() ? of.empty() ? "the layer without a name" : of
+                        : "the layer \"" + name + "\"" + (of.empty() ? "" : " of " + of);
 }
 
-/// The best layer of the first part that has one with light; without such, the first layer at all.
 Result<Choice> choose(const std::string& path, const Imf::MultiPartInputFile& file)
 {
     std::string found;
-    std::vector<Choice> choices;
+    std::vector<ExrPart> parts;
     for (int number = 0; number < file.parts(); ++number)
     {
         const Imf::Header& header = file.header(number);
         const bool isDeep = header.hasType() && Imf::isDeepData(header.type());
-        std::vector<std::string> channels;
+        ExrPart part;
+        part.name = header.hasName() ? header.name() : "";
+        if (header.hasView())
+            part.views = {header.view()};
+        else if (hasMultiView(header))
+            part.views = multiView(header);
         for (auto i = header.channels().begin(); i != header.channels().end(); ++i)
         {
-            channels.push_back(i.name());
-            found += (found.empty() ? "" : ", ") + channels.back() + (isDeep ? " (deep)" : "");
+            found +=
+                (found.empty() ? "" : ", ") + std::string(i.name()) + (isDeep ? " (deep)" : "");
+            if (!isDeep)
+                part.channels.push_back(i.name());
         }
-        if (isDeep)
-            continue;
-        for (const ExrLayer& layer :
-             lightLayers(channels, hasMultiView(header) ? multiView(header) : Imf::StringVector()))
-            choices.push_back({number, layer, {}});
+        parts.push_back(part);
     }
-    if (choices.empty())
+    const std::vector<ExrLayer> layers = lightLayers(parts);
+    if (layers.empty())
         return Error{ErrorCode::NotSupported,
                      path + ": has the channels " + found +
                          "; needed R, G and B, or Y, of pixels that are not deep"};
-    std::stable_sort(choices.begin(), choices.end(),
-                     [](const Choice& a, const Choice& b)
-                     { return isNoLight(a.layer) < isNoLight(b.layer); });
-    for (std::size_t i = 1; i < choices.size(); ++i)
-        choices[0].others +=
-            (i > 1 ? ", " : "") + nameOf(file.header(choices[i].part), choices[i].layer);
-    return choices[0];
+    Choice choice = {layers[0], {}};
+    std::string others;
+    for (std::size_t i = 1; i < layers.size(); ++i)
+        others += (i > 1 ? ", " : "") + nameOf(parts[layers[i].part], layers[i]);
+    if (layers.size() > 1 || isNoLight(layers[0]))
+        choice.warning = nameOf(parts[layers[0].part], layers[0]) + " is taken as light" +
+                         (others.empty() ? "" : ", not " + others);
+    return choice;
 }
 
 /// Whether it is a cube; an error where the shape is of no environment.
@@ -271,11 +274,12 @@ Result<EnvironmentPicture> readExrEnvironment(const std::string& path, std::size
     const Result<Choice> choice = choose(path, file);
     if (!choice)
         return choice.error();
-    const Imf::Header& header = file.header(choice->part);
+    const int number = static_cast<int>(choice->layer.part);
+    const Imf::Header& header = file.header(number);
     const Result<bool> isCube = checkShape(path, header, maxPixels);
     if (!isCube)
         return isCube.error();
-    Imf::InputPart part(file, choice->part);
+    Imf::InputPart part(file, number);
     Picture picture = pixelsOf(part, choice->layer);
     if (hasChromaticities(header))
         if (const Status done = convert(picture, chromaticities(header)); !done)
@@ -285,9 +289,8 @@ Result<EnvironmentPicture> readExrEnvironment(const std::string& path, std::size
     EnvironmentPicture result =
         *isCube ? fromCube(picture)
                 : fromLatitudeLongitude(picture.width, picture.height, picture.pixels);
-    if (!choice->others.empty() || isNoLight(choice->layer))
-        warning += (warning.empty() ? "" : "; ") + nameOf(header, choice->layer) +
-                   " is taken as light" + (choice->others.empty() ? "" : ", not " + choice->others);
+    if (!choice->warning.empty())
+        warning += (warning.empty() ? "" : "; ") + choice->warning;
     if (!warning.empty())
         result.warning = path + ": " + warning;
     return result;

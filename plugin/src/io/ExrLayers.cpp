@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <set>
-#include <tuple>
+#include <utility>
 
 namespace osgTerrainLight
 {
@@ -43,17 +43,23 @@ bool isNoLight(const ExrLayer& layer)
     static const char* const starts[] = {"crypto", "normal",   "position", "depth",   "motion",
                                          "vector", "velocity", "uv",       "mask",    "index",
                                          "albedo", "diffcol",  "glosscol", "transcol"};
-    for (const std::string& part : partsOf(layer.prefix))
+    static const std::set<std::string> names = {"ao", "id", "mist", "n", "occlusion", "p", "st"};
+    for (const std::string& part : partsOf(layer.name))
+    {
+        if (names.count(part) != 0)
+            return true;
         for (const char* start : starts)
             if (part.rfind(start, 0) == 0)
                 return true;
+    }
     return false;
 }
 
-std::vector<ExrLayer> lightLayers(const std::vector<std::string>& channels,
-                                  const std::vector<std::string>& views)
+namespace
 {
-    const std::set<std::string> names(channels.begin(), channels.end());
+void addLayers(std::vector<ExrLayer>& layers, std::size_t number, const ExrPart& part)
+{
+    const std::set<std::string> names(part.channels.begin(), part.channels.end());
     std::set<std::string> prefixes;
     for (const std::string& name : names)
     {
@@ -61,34 +67,47 @@ std::vector<ExrLayer> lightLayers(const std::vector<std::string>& channels,
         prefixes.insert(stop == std::string::npos ? "" : name.substr(0, stop + 1));
     }
     const auto has = [&](const std::string& name) { return names.count(name) != 0; };
-    std::vector<ExrLayer> layers;
     for (const std::string& prefix : prefixes)
-        if (has(prefix + "R") && has(prefix + "G") && has(prefix + "B"))
-            layers.push_back({prefix, LayerKind::Colours});
-        else if (has(prefix + "Y") && !has(prefix + "X") && !has(prefix + "Z"))
-            layers.push_back({prefix, has(prefix + "RY") && has(prefix + "BY")
-                                          ? LayerKind::LuminanceChroma
-                                          : LayerKind::Luminance});
-    const auto rank = [&](const ExrLayer& layer)
     {
-        std::vector<std::string> parts = partsOf(layer.prefix);
-        std::size_t view = 0; // channels of the first view need not name it
-        for (std::size_t i = 0; i < views.size(); ++i)
-            if (const auto found = std::find(parts.begin(), parts.end(), lower(views[i]));
-                found != parts.end())
-            {
-                view = i;
-                parts.erase(found);
-                break;
-            }
-        const int kind = isNoLight(layer)               ? 3
-                         : parts.empty()                ? 0
-                         : isWholePicture(parts.back()) ? 1
-                                                        : 2;
-        return std::tuple(kind, view);
-    };
+        const std::string name = part.name + (part.name.empty() ? "" : ".") + prefix;
+        if (has(prefix + "R") && has(prefix + "G") && has(prefix + "B"))
+            layers.push_back({number, prefix, name, LayerKind::Colours});
+        else if (has(prefix + "Y") && !has(prefix + "X") && !has(prefix + "Z"))
+            layers.push_back({number, prefix, name,
+                              has(prefix + "RY") && has(prefix + "BY") ? LayerKind::LuminanceChroma
+                                                                       : LayerKind::Luminance});
+    }
+}
+
+/// Less is better: of what kind the layer's name is, and of which view.
+std::pair<int, std::size_t> rankOf(const ExrLayer& layer, const std::vector<std::string>& views)
+{
+    std::vector<std::string> parts = partsOf(layer.name);
+    std::size_t view = 0; // channels of the first view need not name it
+    for (std::size_t i = 0; i < views.size(); ++i)
+        if (const auto found = std::find(parts.begin(), parts.end(), lower(views[i]));
+            found != parts.end())
+        {
+            view = i;
+            parts.erase(found);
+            break;
+        }
+    const int kind = isNoLight(layer)               ? 3
+                     : parts.empty()                ? 0
+                     : isWholePicture(parts.back()) ? 1
+                                                    : 2;
+    return {kind, view};
+}
+} // namespace
+
+std::vector<ExrLayer> lightLayers(const std::vector<ExrPart>& parts)
+{
+    std::vector<ExrLayer> layers;
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        addLayers(layers, i, parts[i]);
     std::stable_sort(layers.begin(), layers.end(),
-                     [&](const ExrLayer& a, const ExrLayer& b) { return rank(a) < rank(b); });
+                     [&](const ExrLayer& a, const ExrLayer& b)
+                     { return rankOf(a, parts[a.part].views) < rankOf(b, parts[b.part].views); });
     return layers;
 }
 
