@@ -13,16 +13,45 @@ namespace osgTerrainLight::tool
 namespace
 {
 
-// All that end a program and can be caught, but for those of its own faults. SIGPIPE and SIGXFSZ
-// come from writing itself, which then fails as on a full disk.
-constexpr std::array<int, DeferredSignals::count> signals = {SIGHUP,  SIGINT,    SIGQUIT, SIGTERM,
-                                                             SIGPIPE, SIGALRM,   SIGUSR1, SIGUSR2,
-                                                             SIGXCPU, SIGVTALRM, SIGPROF, SIGXFSZ};
 volatile std::sig_atomic_t waitingSignal = 0;
+int deferring = 0; ///< objects that live
+std::array<struct sigaction, _NSIG> previous;
 
-void keepSignal(int signal)
+bool isFault(int signal)
 {
-    waitingSignal = signal;
+    return signal == SIGSEGV || signal == SIGBUS || signal == SIGFPE || signal == SIGILL;
+}
+
+/// A fault of the program itself comes again as soon as this returns, and ends it.
+void keepSignal(int signal, siginfo_t* info, void*)
+{
+    if (isFault(signal) && info->si_code > 0)
+        sigaction(signal, &previous[static_cast<std::size_t>(signal)], nullptr);
+    else
+        waitingSignal = signal;
+}
+
+/// Whether a signal ends a program that does nothing about it.
+bool endsPrograms(int signal)
+{
+    for (const int other : {SIGCHLD, SIGCONT, SIGURG, SIGWINCH, SIGTSTP, SIGTTIN, SIGTTOU})
+        if (signal == other)
+            return false;
+    return true;
+}
+
+/// Of every signal that can be caught and is not ignored, as nohup does, and shells for what runs
+/// in the background.
+template <class Action>
+void forEachSignal(const Action& action)
+{
+    for (int signal = 1; signal < _NSIG; ++signal)
+    {
+        struct sigaction now = {};
+        if (endsPrograms(signal) && sigaction(signal, nullptr, &now) == 0 &&
+            now.sa_handler != SIG_IGN)
+            action(signal, now);
+    }
 }
 
 } // namespace
@@ -60,18 +89,25 @@ void Progress::reach(double fraction)
 
 DeferredSignals::DeferredSignals()
 {
-    for (std::size_t i = 0; i < signals.size(); ++i)
-    {
-        _previous[i] = std::signal(signals[i], keepSignal);
-        if (_previous[i] == SIG_IGN) // as nohup does, and shells for what runs in the background
-            std::signal(signals[i], SIG_IGN);
-    }
+    if (deferring++ > 0)
+        return;
+    struct sigaction keep = {};
+    keep.sa_sigaction = keepSignal;
+    keep.sa_flags = SA_SIGINFO | SA_RESTART;
+    forEachSignal(
+        [&keep](int signal, const struct sigaction& now)
+        {
+            previous[static_cast<std::size_t>(signal)] = now;
+            sigaction(signal, &keep, nullptr); // SIGKILL and SIGSTOP refuse
+        });
 }
 
 DeferredSignals::~DeferredSignals()
 {
-    for (std::size_t i = 0; i < signals.size(); ++i)
-        std::signal(signals[i], _previous[i]);
+    if (--deferring > 0)
+        return;
+    forEachSignal([](int signal, const struct sigaction&)
+                  { sigaction(signal, &previous[static_cast<std::size_t>(signal)], nullptr); });
     if (waitingSignal != 0)
         std::raise(waitingSignal);
 }

@@ -4,7 +4,6 @@
 
 #include "core/Result.h"
 
-#include <cstddef>
 #include <string>
 
 /// What the tool says to people: messages, progress, and signals that wait for a file.
@@ -34,21 +33,16 @@ private:
 };
 
 /// While one lives, every signal that would end the program waits: a file being written is removed
-/// first. Then it acts.
+/// first. Then it acts. Signals of the program's own faults do not wait.
 class DeferredSignals
 {
 public:
-    static constexpr std::size_t count = 12;
-
     DeferredSignals();
     ~DeferredSignals();
     DeferredSignals(const DeferredSignals&) = delete;
     DeferredSignals& operator=(const DeferredSignals&) = delete;
     /// An error where a signal waits.
     static Status check();
-
-private:
-    void (*_previous[count])(int);
 };
 
 } // namespace osgTerrainLight::tool

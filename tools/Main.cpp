@@ -6,6 +6,7 @@
 #include <osg/Notify>
 #include <osg/Version>
 
+#include <csignal>
 #include <exception>
 
 using namespace osgTerrainLight;
@@ -37,6 +38,7 @@ int report(const CLI::ParseError& error)
 int main(int count, char** values)
 {
     osg::setNotifyLevel(osg::WARN); // its notices go to stdout
+    std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit then fails, with its reason
     CLI::App tool("Light and shadow on terrain, computed on the GPU.", "terrainlight");
     tool.formatter(std::make_shared<HelpFormatter>());
     tool.require_subcommand(1);
