@@ -1,13 +1,10 @@
 #include "BenchFiles.h"
 
-#include <cpl_conv.h>
-#include <cpl_error.h>
-#include <cpl_multiproc.h>
-#include <cpl_string.h>
-#include <cpl_vsi.h>
+#include "io/InputFiles.h"
+#include "io/PendingFile.h"
 
-#include <cerrno>
 #include <filesystem>
+#include <fstream>
 #include <system_error>
 #include <utility>
 
@@ -26,19 +23,16 @@ std::filesystem::path placeOf(const std::string& path)
 Status writeText(const std::string& path, const std::string& content)
 {
     const DeferredSignals deferred;
-    const std::string partial = CPLFormFilename(
-        CPLGetPath(path.c_str()),
-        CPLSPrintf(".%s.partial-%d", CPLGetFilename(path.c_str()), int(CPLGetCurrentProcessID())),
-        nullptr);
-    const CPLErrorHandlerPusher quiet(CPLQuietErrorHandler);
-    VSILFILE* file = VSIFOpenL(partial.c_str(), "wb");
-    bool written = file && VSIFWriteL(content.data(), 1, content.size(), file) == content.size();
-    written = file && VSIFCloseL(file) == 0 && written;
-    if (written && VSIRename(partial.c_str(), path.c_str()) == 0)
-        return Nothing{};
-    const std::string reason = std::generic_category().message(errno);
-    VSIUnlink(partial.c_str());
-    return Error{ErrorCode::Failed, path + ": cannot be written: " + reason};
+    PendingFile file(path);
+    if (Status created = file.create(true); !created)
+        return created;
+    std::ofstream stream(file.path(), std::ios::binary);
+    stream << content;
+    stream.close();
+    if (!stream)
+        return Error{ErrorCode::Failed, path + ": cannot be written: " +
+                                            file.reason("", static_cast<double>(content.size()))};
+    return file.commit();
 }
 
 } // namespace
@@ -61,6 +55,9 @@ Status checkOutputs(const Options& options)
             if (fs::equivalent(path, other, ignored) || placeOf(path) == placeOf(other))
                 throw CLI::ValidationError(option, path + " is the file of " + otherOption +
                                                        ": needs another name");
+        if (const std::string same = sameFile(filesOf(options.input), path); !same.empty())
+            throw CLI::ValidationError(option, path + " is " + same +
+                                                   ", which INPUT is made of: needs another name");
         used.emplace_back(option, path);
         // The format matters not: what is found out is whether a file can be made there.
         OutputOptions output;

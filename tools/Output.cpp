@@ -12,6 +12,7 @@
 
 #include <ogr_spatialref.h>
 
+#include <algorithm>
 #include <cstdint>
 
 namespace osgTerrainLight::tool
@@ -34,37 +35,15 @@ Status checkOutput(const OutputOptions& output, int bands)
     if (isExr(output)) // not GDAL's to write: the folder is what matters
         options.format = "GTiff";
     const DeferredSignals deferred;
-    {
-        Result<RasterWriter> writer =
-            RasterWriter::open(output.path, pixel, {{}}, writeOptions(options, {}));
-        if (!writer)
-            return writer.error();
-    } // the writer goes, and what it made with it
-    if (bands == 0)
-        return Nothing{};
-
-    const std::string parent = CPLGetPath(output.path.c_str());
-    const std::string name = CPLGetFilename(output.path.c_str());
-    const std::string folder = CPLFormFilename(
-        parent.c_str(), CPLSPrintf(".probe-%d", int(CPLGetCurrentProcessID())), nullptr);
-    const std::string path = folder + "/" + name;
-    VSIMkdir(folder.c_str(), 0755);
-    const std::vector<RasterBand> floats(static_cast<std::size_t>(bands),
-                                         {{}, Raster<float>(1, 1)});
-    Status written = writeRaster(path, pixel, floats, writeOptions(options, {}));
-    VSIRmdirRecursive(folder.c_str());
-    if (written)
-        return written;
-    std::string message = written.error().message;
-    // GDAL names the file in the folder.
-    for (std::size_t at = 0; (at = message.find(folder, at)) != std::string::npos;)
-    {
-        const std::size_t end = message.find("/" + name, at);
-        message.replace(at, end == std::string::npos ? end : end + 1 + name.size() - at,
-                        output.path);
-        at += output.path.size();
-    }
-    return Error{written.error().code, message};
+    const std::vector<BandLabel> labels(static_cast<std::size_t>(std::max(bands, 1)));
+    Result<RasterWriter> writer =
+        RasterWriter::open(output.path, pixel, labels, writeOptions(options, {}));
+    if (!writer || bands == 0)
+        return writer ? Status(Nothing{}) : Status(writer.error());
+    for (int band = 1; band <= bands; ++band)
+        if (Status written = writer->writeBand(band, Raster<float>(1, 1)); !written)
+            return written;
+    return writer->rehearse();
 }
 
 namespace

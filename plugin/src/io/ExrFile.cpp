@@ -1,8 +1,8 @@
 #include "io/ExrFile.h"
 
 #include "io/ExrGuard.h"
+#include "io/PendingFile.h"
 
-#include <Iex.h>
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -13,20 +13,17 @@
 #include <ImfStringAttribute.h>
 #include <half.h>
 
-#include <atomic>
+#include <cmath>
 #include <cstdint>
-#include <filesystem>
+#include <exception>
+#include <limits>
 #include <new>
-#include <random>
-#include <system_error>
 #include <utility>
 
 namespace osgTerrainLight
 {
 namespace
 {
-
-namespace fs = std::filesystem;
 
 std::string size(int width, int height)
 {
@@ -117,6 +114,48 @@ Result<ExrImage> readPixels(const std::string& path, std::size_t maxValues)
     return image;
 }
 
+/// Reads the file and compares every value. The message is without the file's name.
+Status compare(const std::string& path, const ExrImage& image, ExrPixelType type)
+{
+    const Error wrong{ErrorCode::Failed, "what was written cannot be read again"};
+    const Result<ExrImage> read = readExr(path, std::numeric_limits<std::size_t>::max());
+    if (!read || read->width != image.width || read->height != image.height ||
+        read->channels.size() != image.channels.size())
+        return wrong;
+    for (const ExrChannel& channel : image.channels)
+    {
+        const ExrChannel* found = read->find(channel.name);
+        for (std::size_t i = 0; found && i < channel.values.size(); ++i)
+        {
+            const float put = channel.values[i];
+            const float value = type == ExrPixelType::Half ? float(Imath::half(put)) : put;
+            if (found->values[i] != value && !(std::isnan(found->values[i]) && std::isnan(value)))
+                found = nullptr;
+        }
+        if (!found)
+            return wrong;
+    }
+    return Nothing{};
+}
+
+Status writeGuarded(const std::string& path, const ExrImage& image, ExrPixelType type)
+{
+    try
+    {
+        if (Status written = writePixels(path, image, type); !written)
+            return written;
+        return compare(path, image, type);
+    }
+    catch (const std::bad_alloc&)
+    {
+        return Error{ErrorCode::Failed, "not enough memory"};
+    }
+    catch (const std::exception& error) // Iex::BaseExc above all
+    {
+        return Error{ErrorCode::Failed, error.what()};
+    }
+}
+
 } // namespace
 
 const ExrChannel* ExrImage::find(const std::string& name) const
@@ -143,45 +182,17 @@ Status writeExr(const std::string& path, const ExrImage& image, ExrPixelType typ
                                                  " values; needed " + std::to_string(pixels) +
                                                  " and a name that no other has"};
 
-    const fs::path target(path);
-    std::error_code failure;
-    if (fs::is_directory(target, failure))
-        return Error{ErrorCode::Failed, path + ": is a folder; needed the name of a file"};
-    // A device or a pipe would be replaced by the file that is moved over it.
-    if (fs::exists(target, failure) && !fs::is_regular_file(target, failure))
+    PendingFile file(path);
+    if (Status created = file.create(true); !created)
+        return created;
+    const Status written = writeGuarded(file.path(), image, type);
+    if (!written)
         return Error{ErrorCode::Failed,
-                     path + ": is a device or a pipe; needed the name of a file"};
-    static std::atomic<unsigned> counter{0};
-    // Random rather than the process id, which neither standard library nor OpenEXR gives.
-    static const unsigned process = std::random_device{}();
-    const fs::path partial =
-        target.parent_path() / ("." + target.filename().string() + ".partial-" +
-                                std::to_string(process) + "-" + std::to_string(counter++));
-    std::string reason;
-    try
-    {
-        writePixels(partial.string(), image, type);
-    }
-    catch (const Iex::BaseExc& error)
-    {
-        reason = error.what();
-    }
-    catch (const std::bad_alloc&)
-    {
-        reason = "not enough memory";
-    }
-    // The library names the partial file, which is of no use to whoever reads the message.
-    if (const std::size_t at = reason.find(partial.string()); at != std::string::npos)
-        reason.replace(at, partial.string().size(), target.filename().string());
-    if (reason.empty())
-    {
-        fs::rename(partial, target, failure);
-        if (!failure)
-            return Nothing{};
-        reason = failure.message();
-    }
-    fs::remove(partial, failure);
-    return Error{ErrorCode::Failed, path + ": cannot be written: " + reason};
+                     path + ": cannot be written: " +
+                         file.reason(written.error().message,
+                                     static_cast<double>(pixels * image.channels.size() *
+                                                         (type == ExrPixelType::Half ? 2 : 4)))};
+    return file.commit();
 }
 
 Result<ExrImage> readExr(const std::string& path, std::size_t maxValues)

@@ -34,8 +34,8 @@ enum class ExrPixelType
     Float
 };
 
-/// Writes a scanline file, ZIP-compressed without loss. Written beside the target under a hidden
-/// name and moved over it when complete: a failure leaves the target as it was.
+/// Writes a scanline file, ZIP-compressed without loss. Written into a hidden folder beside the
+/// target, read again, compared, and moved over it: a failure leaves the target as it was.
 Status writeExr(const std::string& path, const ExrImage& image,
                 ExrPixelType type = ExrPixelType::Half);
 

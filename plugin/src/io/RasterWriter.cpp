@@ -1,21 +1,19 @@
 #include "io/RasterWriter.h"
 
 #include "io/GdalErrors.h"
+#include "io/PendingFile.h"
+#include "io/RasterDriver.h"
 #include "io/WrittenFile.h"
 
-#include <cpl_conv.h>
 #include <cpl_string.h>
 #include <cpl_vsi.h>
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cerrno>
 #include <cmath>
 #include <optional>
 #include <set>
-#include <system_error>
 
 namespace osgTerrainLight
 {
@@ -31,144 +29,6 @@ bool exists(const std::string& path)
 {
     VSIStatBufL stat;
     return VSIStatExL(path.c_str(), &stat, VSI_STAT_EXISTS_FLAG) == 0;
-}
-
-/// A hidden folder beside the target that a driver writes into under the final name, so that names
-/// inside sidecar files are right, too. Removed with everything in it, whatever happens.
-class PendingFile
-{
-public:
-    explicit PendingFile(const std::string& target) : _target(target) {}
-    ~PendingFile()
-    {
-        if (!_folder.empty())
-            VSIRmdirRecursive(_folder.c_str());
-    }
-    PendingFile(const PendingFile&) = delete;
-    PendingFile& operator=(const PendingFile&) = delete;
-
-    Status create(bool overwrite)
-    {
-        VSIStatBufL stat;
-        errno = 0;
-        const bool there = VSIStatL(_target.c_str(), &stat) == 0;
-        if (!there && errno == ENAMETOOLONG)
-            return Error{ErrorCode::Failed,
-                         _target + ": " + std::generic_category().message(errno)};
-        if (there)
-        {
-            if (VSI_ISDIR(stat.st_mode))
-                return Error{ErrorCode::Failed,
-                             _target + ": is a folder; needed the name of a file"};
-            // A device or a pipe would be replaced by the file that is moved over it.
-            if (!VSI_ISREG(stat.st_mode))
-                return Error{ErrorCode::Failed,
-                             _target + ": is a device or a pipe; needed the name of a file"};
-            if (!overwrite)
-                return Error{ErrorCode::Failed,
-                             _target + ": exists already, and overwriting was not asked for"};
-        }
-        static std::atomic<unsigned> counter{0};
-        _parent = CPLGetPath(_target.c_str());
-        _name = CPLGetFilename(_target.c_str());
-        // Not by the target's name, which may be as long as names can be.
-        const std::string folder = beside(".partial-" + std::to_string(CPLGetCurrentProcessID()) +
-                                          "-" + std::to_string(counter++));
-        errno = 0;
-        if (_name.empty() || VSIMkdir(folder.c_str(), 0755) != 0)
-        {
-            const std::string reason =
-                errno != 0 ? ": " + std::generic_category().message(errno) : "";
-            return Error{ErrorCode::Failed, _target + ": cannot write into " +
-                                                (_parent.empty() ? "this folder" : _parent) +
-                                                reason +
-                                                "; needed an existing folder with leave to write"};
-        }
-        _folder = folder;
-        return Nothing{};
-    }
-
-    std::string path() const { return inside(_name); }
-    std::string inside(const std::string& name) const { return _folder + "/" + name; }
-
-    /// Moves all that the driver wrote over the target; the main file first, since where that fails
-    /// nothing has changed.
-    Status commit()
-    {
-        if (VSIRename(path().c_str(), _target.c_str()) != 0)
-            return Error{ErrorCode::Failed, _target + ": cannot be replaced by the file written"};
-        // Statistics, overviews and masks of the file that was there before.
-        for (const char* stale : {".aux.xml", ".ovr", ".msk"})
-            VSIUnlink((_target + stale).c_str());
-        const CPLStringList names(VSIReadDir(_folder.c_str()));
-        for (int i = 0; i < names.size(); ++i)
-        {
-            const std::string name = names[i];
-            if (name == "." || name == "..")
-                continue;
-            if (VSIRename(inside(name).c_str(), beside(name).c_str()) != 0)
-                return Error{ErrorCode::Failed, beside(name) + ": cannot be written"};
-        }
-        return Nothing{};
-    }
-
-private:
-    std::string beside(const std::string& name) const
-    {
-        return _parent.empty() ? name : CPLFormFilename(_parent.c_str(), name.c_str(), nullptr);
-    }
-
-    std::string _target, _parent, _name, _folder;
-};
-
-bool writes(GDALDriver& driver)
-{
-    return driver.GetMetadataItem(GDAL_DCAP_RASTER) &&
-           (driver.GetMetadataItem(GDAL_DCAP_CREATE) ||
-            driver.GetMetadataItem(GDAL_DCAP_CREATECOPY)) &&
-           !EQUAL(driver.GetDescription(), "MEM");
-}
-
-bool hasExtension(GDALDriver& driver, const char* extension)
-{
-    const char* all = driver.GetMetadataItem(GDAL_DMD_EXTENSIONS);
-    if (!all)
-        all = driver.GetMetadataItem(GDAL_DMD_EXTENSION);
-    const CPLStringList extensions(CSLTokenizeString(all ? all : ""));
-    return extensions.FindString(extension) >= 0;
-}
-
-Result<GDALDriver*> findDriver(const std::string& path, const std::string& name)
-{
-    GDALDriverManager& manager = *GetGDALDriverManager();
-    if (!name.empty())
-    {
-        GDALDriver* driver = manager.GetDriverByName(name.c_str());
-        if (!driver)
-            return Error{ErrorCode::NotSupported, path + ": GDAL has no driver \"" + name +
-                                                      "\"; gdalinfo --formats lists those it has"};
-        if (!writes(*driver))
-            return Error{ErrorCode::NotSupported,
-                         path + ": GDAL's driver \"" + name + "\" does not write raster files"};
-        return driver;
-    }
-    const std::string extension = CPLGetExtension(path.c_str());
-    // As GDAL's own tools: the first registered; GTiff before COG, netCDF before GMT, by that order
-    // or by name.
-    if (extension.empty())
-        return manager.GetDriverByName("GTiff");
-    if (EQUAL(extension.c_str(), "nc"))
-        if (GDALDriver* driver = manager.GetDriverByName("netCDF"))
-            return driver;
-    for (int i = 0; i < manager.GetDriverCount(); ++i)
-    {
-        GDALDriver* driver = manager.GetDriver(i);
-        if (writes(*driver) && hasExtension(*driver, extension.c_str()))
-            return driver;
-    }
-    return Error{ErrorCode::NotSupported,
-                 path + ": no GDAL driver writes ." + extension +
-                     " files; needed another extension or a driver's name"};
 }
 
 CPLStringList optionList(const std::vector<std::string>& options)
@@ -246,7 +106,7 @@ struct OutputFile
             return Error{ErrorCode::Invalid, path + ": " + size(frame.width, frame.height) +
                                                  " pixels in " + std::to_string(bandCount) +
                                                  " bands; needed at least one of each"};
-        Result<GDALDriver*> found = findDriver(path, options.driver);
+        Result<GDALDriver*> found = findRasterDriver(path, options.driver);
         if (!found)
             return found.error();
         driver = *found;
@@ -257,14 +117,13 @@ struct OutputFile
         if (Status made = file.create(options.overwrite); !made)
             return made;
         written.emplace(frame.width, frame.height, bandCount);
+        bytes = double(frame.width) * frame.height * bandCount * GDALGetDataTypeSizeBytes(type);
 
         copies = copyOnly || !driver->GetMetadataItem(GDAL_DCAP_CREATE);
         GDALDriver* creator = driver;
         std::string target = file.path();
         if (copies)
         {
-            const double bytes =
-                double(frame.width) * frame.height * bandCount * GDALGetDataTypeSizeBytes(type);
             const bool inMemory = bytes <= 256.0 * 1024.0 * 1024.0;
             creator = GetGDALDriverManager()->GetDriverByName(inMemory ? "MEM" : "GTiff");
             scratch = inMemory ? "" : file.inside(".copied.tif");
@@ -291,12 +150,19 @@ struct OutputFile
         return describe(path, *dataset, frame, options, errors);
     }
 
+    Error failed(const std::string& what, const std::string& said) const
+    {
+        return {ErrorCode::Failed, path + ": " + what + ": " + file.reason(said, bytes)};
+    }
     Error failed(const std::string& what, const GdalErrors& errors) const
     {
-        return {ErrorCode::Failed, path + ": " + what + ": " + errors.first()};
+        return failed(what, errors.first());
     }
 
-    Status finish()
+    /// Completes the file in its hidden folder and holds it against what was to be written. Return
+    /// codes count, and what can be read again: messages may be of no failure, and closing, which
+    /// writes what is still cached, gives nothing else.
+    Status complete()
     {
         GdalErrors errors;
         if (copies)
@@ -314,18 +180,21 @@ struct OutputFile
         dataset.reset();
         if (!scratch.empty())
             VSIUnlink(scratch.c_str());
-        // Closing writes what is still cached, and reports by messages only, of which some are no
-        // failure: what can be read again counts.
+        const std::string said = message.empty() && errors.hasFailure() ? errors.first() : message;
         if (!exists(file.path()))
-            return Error{ErrorCode::Failed, path + ": GDAL's driver \"" + driver->GetDescription() +
-                                                "\" wrote no file of that name" +
-                                                (errors.hasFailure() ? ": " + errors.first() : "")};
+            return failed("cannot be completed", said.empty() ? std::string("GDAL's driver \"") +
+                                                                    driver->GetDescription() +
+                                                                    "\" wrote no file of that name"
+                                                              : said);
         const bool exact = WrittenFile::isExact(*driver, options.creationOptions);
         if (const Status same = written->compare(file.path(), *driver, exact); !same)
-            return Error{ErrorCode::Failed,
-                         path + ": cannot be completed: " +
-                             (errors.hasFailure() ? errors.first() : same.error().message)};
-        return file.commit();
+            return failed("cannot be completed", said.empty() ? same.error().message : said);
+        return Nothing{};
+    }
+    Status finish()
+    {
+        const Status completed = complete();
+        return completed ? file.commit() : completed;
     }
 
     std::string path;
@@ -333,6 +202,8 @@ struct OutputFile
     RasterWriteOptions options;
     GDALDriver* driver = nullptr;
     std::optional<WrittenFile> written; ///< what went into it
+    double bytes = 0.0;                 ///< of the pixels as they are
+    std::string message;                ///< the first failure that GDAL only spoke of
     bool copies = false;
     std::string scratch;
     // Closed before its folder is removed: destruction runs upwards.
@@ -419,16 +290,18 @@ Status RasterWriter::writeBand(int band, const Raster<float>& values)
         }
     }
     // To the file now: what stays in the block cache would fail at another band's turn.
-    if (target.FlushCache(false) != CE_None || errors.hasFailure())
+    if (target.FlushCache(false) != CE_None)
     {
         state.broken = true;
         return state.failed("cannot write band " + std::to_string(band), errors);
     }
+    if (state.message.empty() && errors.hasFailure())
+        state.message = errors.first();
     state.done.insert(band);
     return Nothing{};
 }
 
-Status RasterWriter::finish()
+Status RasterWriter::end(bool isKept)
 {
     if (!_state || _state->broken)
         return Error{ErrorCode::Failed, (_state ? _state->path + ": " : std::string()) +
@@ -439,7 +312,17 @@ Status RasterWriter::finish()
         return Error{ErrorCode::Invalid, state->path + ": only " +
                                              std::to_string(state->done.size()) + " of " +
                                              std::to_string(bands) + " bands were written"};
-    return state->finish();
+    return isKept ? state->finish() : state->complete();
+}
+
+Status RasterWriter::finish()
+{
+    return end(true);
+}
+
+Status RasterWriter::rehearse()
+{
+    return end(false);
 }
 
 Status writeRaster(const std::string& path, const RasterFrame& frame,

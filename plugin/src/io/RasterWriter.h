@@ -63,12 +63,16 @@ public:
     /// band: 1 … band count, each once, best in order; values in tile order, of the frame's size.
     Status writeBand(int band, const Raster<float>& values);
 
-    /// Completes the file and puts it in place. Nothing can be written afterwards.
+    /// Completes the file, reads it again, compares it with what was written and puts it in place.
+    /// Nothing can be written afterwards.
     Status finish();
+    /// As finish(), but nothing is put in place: whether a file of this kind can be written there.
+    Status rehearse();
 
 private:
     struct State;
     explicit RasterWriter(std::unique_ptr<State> state);
+    Status end(bool isKept);
 
     std::unique_ptr<State> _state;
 };

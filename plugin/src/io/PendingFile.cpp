@@ -1,0 +1,133 @@
+#include "io/PendingFile.h"
+
+#include <cpl_conv.h>
+#include <cpl_multiproc.h>
+#include <cpl_string.h>
+#include <cpl_vsi.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+std::string systemsReason(int number)
+{
+    return std::generic_category().message(number);
+}
+
+/// Empty, or why a file of so many bytes cannot be written: by a block at its end, since a limit
+/// counts the length and a disk what is written.
+std::string complaintOfSystem(const std::string& path, double bytes)
+{
+    const std::vector<char> block(1 << 16, 'x');
+    std::FILE* file = std::fopen(path.c_str(), "wb");
+    if (!file)
+        return systemsReason(errno);
+    errno = 0;
+    const double start = std::max(bytes - static_cast<double>(block.size()), 0.0);
+    const bool placed = fseeko(file, static_cast<off_t>(start), SEEK_SET) == 0;
+    const bool written = placed && std::fwrite(block.data(), 1, block.size(), file) == block.size();
+    const int number = errno;
+    const bool closed = std::fclose(file) == 0; // a failed one closes, too
+    const int last = errno;
+    std::remove(path.c_str());
+    return written && closed ? std::string() : systemsReason(written ? last : number);
+}
+} // namespace
+
+PendingFile::PendingFile(std::string target) : _target(std::move(target)) {}
+
+PendingFile::~PendingFile()
+{
+    if (!_folder.empty())
+        VSIRmdirRecursive(_folder.c_str());
+}
+
+Status PendingFile::create(bool overwrite)
+{
+    const auto refused = [&](const std::string& why) {
+        return Error{ErrorCode::Failed, _target + ": " + why};
+    };
+    VSIStatBufL stat;
+    errno = 0;
+    const bool there = VSIStatL(_target.c_str(), &stat) == 0;
+    if (!there && errno == ENAMETOOLONG)
+        return refused(systemsReason(errno));
+    if (there)
+    {
+        if (VSI_ISDIR(stat.st_mode))
+            return refused("is a folder; needed the name of a file");
+        // A device or a pipe would be replaced by the file that is moved over it.
+        if (!VSI_ISREG(stat.st_mode))
+            return refused("is a device or a pipe; needed the name of a file");
+        if (!overwrite)
+            return refused("exists already, and overwriting was not asked for");
+    }
+    static std::atomic<unsigned> counter{0};
+    _parent = CPLGetPath(_target.c_str());
+    _name = CPLGetFilename(_target.c_str());
+    // Not by the target's name, which may be as long as names can be.
+    const std::string folder = beside(".partial-" + std::to_string(CPLGetCurrentProcessID()) + "-" +
+                                      std::to_string(counter++));
+    errno = 0;
+    if (_name.empty() || VSIMkdir(folder.c_str(), 0755) != 0)
+        return refused("cannot write into " + (_parent.empty() ? "this folder" : _parent) +
+                       (errno != 0 ? ": " + systemsReason(errno) : "") +
+                       "; needed an existing folder with leave to write");
+    _folder = folder;
+    return Nothing{};
+}
+
+std::string PendingFile::reason(const std::string& said, double bytes) const
+{
+    std::string plain = said;
+    const std::string written = path();
+    for (std::size_t at = 0; (at = plain.find(written, at)) != std::string::npos;)
+    {
+        plain.replace(at, written.size(), _target);
+        at += _target.size();
+    }
+    const bool isOnDisk = !_folder.empty() && _folder.compare(0, 4, "/vsi") != 0;
+    const std::string system = isOnDisk ? complaintOfSystem(inside(".room"), bytes) : "";
+    return system.empty() ? plain : plain.empty() ? system : system + " (" + plain + ")";
+}
+
+Status PendingFile::commit()
+{
+    errno = 0;
+    const auto failed = [](const std::string& path, const char* what)
+    {
+        return Error{ErrorCode::Failed,
+                     path + ": " + what + (errno != 0 ? ": " + systemsReason(errno) : "")};
+    };
+    if (VSIRename(path().c_str(), _target.c_str()) != 0)
+        return failed(_target, "cannot be replaced by the file written");
+    for (const char* stale : {".aux.xml", ".ovr", ".msk"})
+        VSIUnlink((_target + stale).c_str());
+    const CPLStringList names(VSIReadDir(_folder.c_str()));
+    for (int i = 0; i < names.size(); ++i)
+    {
+        const std::string name = names[i];
+        if (name == "." || name == "..")
+            continue;
+        errno = 0;
+        if (VSIRename(inside(name).c_str(), beside(name).c_str()) != 0)
+            return failed(beside(name), "cannot be written");
+    }
+    return Nothing{};
+}
+
+std::string PendingFile::beside(const std::string& name) const
+{
+    return _parent.empty() ? name : CPLFormFilename(_parent.c_str(), name.c_str(), nullptr);
+}
+
+} // namespace osgTerrainLight

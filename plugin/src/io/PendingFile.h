@@ -1,0 +1,42 @@
+#pragma once
+
+#include "core/Result.h"
+
+#include <string>
+
+namespace osgTerrainLight
+{
+
+/// A hidden folder beside a target that is written into under the final name, so that names inside
+/// sidecar files are right, too. Until commit() the target and its sidecars are as they were; the
+/// folder goes with this object, with everything in it, whatever happens.
+class PendingFile
+{
+public:
+    explicit PendingFile(std::string target);
+    ~PendingFile();
+    PendingFile(const PendingFile&) = delete;
+    PendingFile& operator=(const PendingFile&) = delete;
+
+    /// Errors name the target and the system's reason. overwrite: whether it may exist already.
+    Status create(bool overwrite);
+
+    std::string path() const { return inside(_name); }
+    std::string inside(const std::string& name) const { return _folder + "/" + name; }
+
+    /// The reason of a failure to write: the system's own, where a file of so many bytes cannot be
+    /// written in this folder (no space left, too large), with what the library said in brackets;
+    /// else that alone. It names the target where the library named the file in the folder.
+    std::string reason(const std::string& said, double bytes) const;
+
+    /// Moves all that is in the folder to its place; the main file first, since where that fails
+    /// nothing has changed. Statistics, overviews and masks of the file that was there are removed.
+    Status commit();
+
+private:
+    std::string beside(const std::string& name) const;
+
+    std::string _target, _parent, _name, _folder;
+};
+
+} // namespace osgTerrainLight
