@@ -1,12 +1,9 @@
 #include "io/RasterBand.h"
 
-#include "io/DemReader.h"
+#include "support/DemHeights.h"
 #include "support/MemoryRaster.h"
 
 #include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
 
 // What GDAL says of a band, and what becomes of it: the rows of docs/INPUTS.md.
 
@@ -14,36 +11,9 @@ using namespace osgTerrainLight;
 
 namespace
 {
-const double missing = std::numeric_limits<double>::quiet_NaN();
 constexpr double surveyFoot = 1200.0 / 3937.0; // of the US Metric Law of 1866
 constexpr double foot = 0.3048;
 
-std::vector<double> heightsOf(const DemFile& file)
-{
-    std::vector<double> heights; // rows of the file
-    for (int row = file.tile.height(); row-- > 0;)
-        for (int column = 0; column < file.tile.width(); ++column)
-            heights.push_back(file.tile.isValid(column, row)
-                                  ? file.tile.heightOrigin +
-                                        static_cast<double>(file.tile.heightAt(column, row))
-                                  : missing);
-    return heights;
-}
-
-/// The one note that holds a text, or all of them.
-std::string noteWith(const DemFile& file, const std::string& text)
-{
-    std::string all;
-    for (const std::string& note : file.notes)
-    {
-        if (note.find(text) != std::string::npos)
-            return note;
-        all += note + "; ";
-    }
-    return "no note \"" + text + "\" among: " + all;
-}
-
-/// Reads, and compares to float's rounding of what is 1e4 at most.
 DemFile expectHeights(const MemoryRaster& raster, const std::vector<double>& expected,
                       const DemReadOptions& options = {})
 {
@@ -51,12 +21,7 @@ DemFile expectHeights(const MemoryRaster& raster, const std::vector<double>& exp
     EXPECT_TRUE(read) << (read ? "" : read.error().message);
     if (!read)
         return {};
-    const std::vector<double> found = heightsOf(*read);
-    for (std::size_t i = 0; i < expected.size(); ++i)
-        if (std::isnan(expected[i]))
-            EXPECT_TRUE(std::isnan(found[i])) << i << ": " << found[i];
-        else
-            EXPECT_NEAR(found[i], expected[i], 1e-3) << i;
+    osgTerrainLight::expectHeights(*read, expected);
     return *read;
 }
 

@@ -78,4 +78,10 @@ Result<DemInfo> describeDem(const std::string& path, const DemReadOptions& optio
 /// HeightFactors of measureGround(), which are 1 in the middle.
 Result<DemFile> readDem(const std::string& path, const DemReadOptions& options = {});
 
+/// As readDem() without a window, but a raster with more than maxSide posts a side is averaged down
+/// to it while reading, with a note that says so: each post is read as by readDem(), and a mean is
+/// that of the valid ones. Of more posts than options.maxPosts an overview is read where there is
+/// one, as gdaladdo made it. maxSide ≥ 2.
+Result<DemFile> readDemReduced(const std::string& path, const DemReadOptions& options, int maxSide);
+
 } // namespace osgTerrainLight

@@ -3,7 +3,6 @@
 #include "io/GdalErrors.h"
 #include "io/GroundSpacing.h"
 
-#include <cpl_minixml.h>
 #include <cpl_string.h>
 #include <gdal_priv.h>
 #include <gdal_utils.h>
@@ -21,60 +20,6 @@ namespace
 std::string number(double value)
 {
     return CPLSPrintf("%.17g", value);
-}
-
-std::string escaped(const std::string& text)
-{
-    char* xml = CPLEscapeString(text.c_str(), static_cast<int>(text.size()), CPLES_XML);
-    const std::string result = xml;
-    CPLFree(xml);
-    return result;
-}
-
-/// A virtual raster that shows another one with fewer cells: GDAL averages, and uses overviews.
-/// What says where cells are void goes along, so that no void enters an average.
-std::string reducedRaster(const std::string& path, const DemInfo& info, int band, int width,
-                          int height)
-{
-    const auto tag = [](const char* name, const std::string& content)
-    { return std::string("<") + name + ">" + content + "</" + name + ">"; };
-    const auto rectangle = [](const char* name, int w, int h)
-    {
-        return std::string("<") + name + " xOff=\"0\" yOff=\"0\" xSize=\"" + std::to_string(w) +
-               "\" ySize=\"" + std::to_string(h) + "\"/>";
-    };
-    const double stretchX = static_cast<double>(info.rasterWidth) / width;
-    const double stretchY = static_cast<double>(info.rasterHeight) / height;
-    std::string place;
-    for (std::size_t i = 0; i < 6; ++i)
-        place += (i ? ", " : "") + number(info.frame.geoTransform[i] * (i % 3 == 1   ? stretchX
-                                                                        : i % 3 == 2 ? stretchY
-                                                                                     : 1.0));
-    const bool isReal = info.dataType == "Float64" || info.dataType == "Float32";
-    std::string bandText =
-        (info.noData ? tag("NoDataValue", number(*info.noData)) : "") +
-        (info.heightUnit.empty() ? "" : tag("UnitType", escaped(info.heightUnit))) +
-        tag("Offset", number(info.offset)) + tag("Scale", number(info.scale)) +
-        "<ComplexSource resampling=\"average\">" + "<SourceFilename relativeToVRT=\"0\">" +
-        escaped(path) + "</SourceFilename>" + tag("SourceBand", std::to_string(band)) +
-        rectangle("SrcRect", info.rasterWidth, info.rasterHeight) +
-        rectangle("DstRect", width, height) +
-        (info.noData ? tag("NODATA", number(*info.noData)) : "") +
-        (info.hasMask ? tag("UseMaskBand", "true") : "") + "</ComplexSource>";
-    const char* mask = "<ComplexSource><SourceFilename relativeToVRT=\"0\">";
-    std::string maskText;
-    if (info.hasMask)
-        maskText = "<MaskBand><VRTRasterBand dataType=\"Byte\">" + std::string(mask) +
-                   escaped(path) + "</SourceFilename><SourceBand>mask," + std::to_string(band) +
-                   "</SourceBand>" + rectangle("SrcRect", info.rasterWidth, info.rasterHeight) +
-                   rectangle("DstRect", width, height) +
-                   "</ComplexSource></VRTRasterBand></MaskBand>";
-    return "<VRTDataset rasterXSize=\"" + std::to_string(width) + "\" rasterYSize=\"" +
-           std::to_string(height) + "\">" +
-           (info.frame.crs.empty() ? "" : tag("SRS", escaped(info.frame.crs))) +
-           (info.frame.hasGeoTransform ? tag("GeoTransform", place) : "") +
-           "<VRTRasterBand dataType=\"" + (isReal ? info.dataType : "Float64") + "\" band=\"1\">" +
-           bandText + "</VRTRasterBand>" + maskText + "</VRTDataset>";
 }
 
 Result<GDALDatasetUniquePtr> openPicture(const std::string& path, const GdalErrors& errors)
@@ -142,42 +87,6 @@ GDALDatasetUniquePtr warped(GDALDataset& picture, const DemTile& tile)
     return result;
 }
 } // namespace
-
-Result<DemFile> readDemReduced(const std::string& path, const DemReadOptions& options, int maxSide)
-{
-    Result<DemInfo> info = describeDem(path, options);
-    if (!info)
-        return info.error();
-    const int longest = std::max(info->rasterWidth, info->rasterHeight);
-    if (longest <= maxSide)
-        return readDem(path, options);
-
-    const auto reduced = [&](int side)
-    {
-        return std::max(1, static_cast<int>(std::lround(static_cast<double>(side) * maxSide /
-                                                        static_cast<double>(longest))));
-    };
-    const int width = reduced(info->rasterWidth);
-    const int height = reduced(info->rasterHeight);
-    DemReadOptions reading = options;
-    reading.band = 1;
-    if (options.cellSize)
-        reading.cellSize = *options.cellSize * longest / maxSide;
-    const std::string raster = reducedRaster(path, *info, options.band, width, height);
-    Result<DemFile> file = readDem(raster, reading);
-    if (!file)
-    {
-        Error error = file.error();
-        if (const std::size_t at = error.message.find(raster); at != std::string::npos)
-            error.message.replace(at, raster.size(), path);
-        return error;
-    }
-    file->notes = info->notes;
-    file->notes.push_back(std::to_string(info->rasterWidth) + " x " +
-                          std::to_string(info->rasterHeight) + " posts are averaged to " +
-                          std::to_string(width) + " x " + std::to_string(height));
-    return file;
-}
 
 Result<ColourImage> readColour(const std::string& path, const DemTile& tile, int maxSize)
 {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/Result.h"
-#include "io/DemReader.h"
 #include <osgTerrainLight/DemTile.h>
 
 #include <cstdint>
@@ -10,10 +9,6 @@
 
 namespace osgTerrainLight
 {
-
-/// As readDem() without a window, but a raster with more than maxSide posts a side is averaged down
-/// to it while reading, with a note that says so. maxSide ≥ 2.
-Result<DemFile> readDemReduced(const std::string& path, const DemReadOptions& options, int maxSide);
 
 /// sRGB colours, 4 bytes per pixel (red, green, blue, alpha), row 0 south.
 struct ColourImage

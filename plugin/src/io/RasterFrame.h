@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <string>
 
 namespace osgTerrainLight
@@ -24,6 +25,18 @@ struct RasterFrame
     /// Row and column of the file that hold a tile's row and column (and the other way round).
     int fileRow(int tileRow) const { return northUp ? height - 1 - tileRow : tileRow; }
     int fileColumn(int tileColumn) const { return westFirst ? tileColumn : width - 1 - tileColumn; }
+    /// Of the same extent with other cells.
+    RasterFrame scaledTo(int newWidth, int newHeight) const
+    {
+        RasterFrame result = *this;
+        result.width = newWidth;
+        result.height = newHeight;
+        for (const std::size_t i : {1u, 4u})
+            result.geoTransform[i] *= static_cast<double>(width) / newWidth;
+        for (const std::size_t i : {2u, 5u})
+            result.geoTransform[i] *= static_cast<double>(height) / newHeight;
+        return result;
+    }
     /// Map coordinates of a post of the tile.
     double mapX(double tileColumn) const
     {

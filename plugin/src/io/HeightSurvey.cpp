@@ -1,0 +1,31 @@
+#include "io/HeightSurvey.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace osgTerrainLight
+{
+namespace
+{
+/// As DemTile::setHeight: no terrain of any body is higher [m].
+constexpr double highest = 1.0e6;
+} // namespace
+
+void HeightRange::add(double value)
+{
+    lowest = std::min(lowest, value);
+    highest = std::max(highest, value);
+    ++count;
+}
+
+void HeightSurvey::add(double metres)
+{
+    ++_count;
+    if (std::abs(metres) <= highest)
+        _heights.add(metres);
+    // Half and one and a half radii hold the hills of the smallest bodies.
+    if (_bodyRadius > 0.0 && metres >= 0.5 * _bodyRadius && metres <= 1.5 * _bodyRadius)
+        _radii.add(metres);
+}
+
+} // namespace osgTerrainLight
