@@ -7,7 +7,7 @@ packages=(
   g++ cmake ninja-build ccache pkg-config git python3 clang-format
   libopenscenegraph-dev openscenegraph libgdal-dev gdal-bin libglm-dev libopenexr-dev
   libegl-dev libgl-dev libegl1 libgl1-mesa-dri libcli11-dev libpugixml-dev libembree-dev
-  liberfa-dev libgtest-dev libnova-dev libbenchmark-dev xvfb gnuplot-nox blender-data
+  liberfa-dev libgtest-dev libnova-dev libproj-dev libbenchmark-dev xvfb gnuplot-nox blender-data
 )
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then

@@ -1,9 +1,11 @@
 #include "io/GroundSpacing.h"
 
 #include "io/DemReader.h"
+#include "io/GdalErrors.h"
 #include "support/MemoryRaster.h"
 
 #include <gtest/gtest.h>
+#include <ogr_spatialref.h>
 
 #include <algorithm>
 #include <cmath>
@@ -257,4 +259,50 @@ TEST(GroundSpacing, TangentsAcrossAMercatorMapAgainstGreatCircles)
         greatest = std::max(greatest, std::abs(found - truth));
     }
     EXPECT_GT(greatest, 0.0);
+}
+
+// Asked directly, since GeoTIFF keeps not all of them.
+TEST(GroundSpacing, OfOtherKindsOfCrs)
+{
+    const std::string rotated = // as climate models have it
+        "+proj=ob_tran +o_proj=longlat +o_lon_p=-162 +o_lat_p=39.25 +lon_0=180 +R=6371229 "
+        "+to_meter=0.0174532925199433";
+    const struct
+    {
+        std::string crs;
+        const char* said; // part of the one note, or of the error where there is no spacing
+        double north;     // of 0.1 units [m]
+    } kinds[] = {{"EPSG:4978", "is geocentric", 0.0},
+                 {"EPSG:4936", "is geocentric", 0.0}, // ETRS89
+                 {"EPSG:7656", "is geocentric", 0.0}, // WGS 84 (G730)
+                 {"EPSG:5773", "has no horizontal part", 0.1},
+                 {"EPSG:5703", "has no horizontal part", 0.1},
+                 {"EPSG:8228", "has no horizontal part", 0.1},
+                 {"LOCAL_CS[\"pit\",UNIT[\"metre\",1]]", "one unit is taken as 1 m", 0.1},
+                 {"LOCAL_CS[\"mine\",UNIT[\"US survey foot\",0.304800609601219]]",
+                  "one unit is taken as 0.3048006096 m", 120.0 / 3937.0},
+                 {"LOCAL_CS[\"ship\",UNIT[\"kilometre\",1000]]", "is taken as 1000 m", 100.0},
+                 {rotated, "a pole of its own", 0.1 * degree * 6371229.0}};
+    const GdalErrors quiet;
+    for (const auto& kind : kinds)
+    {
+        SCOPED_TRACE(kind.crs);
+        OGRSpatialReference crs;
+        ASSERT_EQ(crs.SetFromUserInput(kind.crs.c_str()), OGRERR_NONE);
+        RasterFrame frame;
+        frame.width = frame.height = 10;
+        frame.hasGeoTransform = true;
+        frame.geoTransform = {5.0, 0.1, 0.0, 1.0, 0.0, -0.1};
+        const Result<GroundSpacing> ground = measureGround("a.tif", &crs, frame);
+        ASSERT_EQ(ground.ok(), kind.north > 0.0);
+        if (!ground)
+        {
+            EXPECT_NE(ground.error().message.find(kind.said), std::string::npos);
+            continue;
+        }
+        ASSERT_EQ(ground->notes.size(), 1u);
+        EXPECT_NE(ground->notes[0].find(kind.said), std::string::npos) << ground->notes[0];
+        EXPECT_NEAR(ground->north, kind.north, 1e-9 * kind.north);
+        EXPECT_EQ(ground->geographic, kind.crs == rotated);
+    }
 }

@@ -224,6 +224,51 @@ TEST(MapPlace, APoleIsAPlaceAsAnyOther)
     }
 }
 
+// The place used is the middle of the raster, or the one given, wherever the pole lies in it:
+// beside the middle, between the four posts of the middle or on one. The y axis of a polar map
+// points, as seen at longitude l, along l − l0 in the north and l0 − l in the south.
+TEST(MapPlace, RastersWithAPoleInside)
+{
+    const struct
+    {
+        const char* crs;
+        double sign, central;
+        int width, height; // even: the pole is no post
+        double poleColumn, poleRow;
+    } rasters[] = {
+        {"EPSG:3413", 1.0, -45.0, 8, 6, 4, 3},       {"EPSG:3413", 1.0, -45.0, 9, 7, 4.5, 3.5},
+        {"EPSG:5041", 1.0, 0.0, 9, 6, 4.5, 3},       {"EPSG:3031", -1.0, 0.0, 10, 10, 5, 5},
+        {"EPSG:5042", -1.0, 0.0, 11, 11, 3.25, 6.5}, {"EPSG:3995", 1.0, 0.0, 12, 12, 0.5, 11.5},
+        {"EPSG:3408", 1.0, 0.0, 12, 9, 5, 5}}; // equal-area
+    for (const auto& raster : rasters)
+    {
+        SCOPED_TRACE(raster.crs);
+        RasterFrame frame;
+        frame.width = raster.width;
+        frame.height = raster.height;
+        frame.hasGeoTransform = true;
+        frame.crs = wkt(raster.crs);
+        const double cell = 100.0;
+        const auto [poleX, poleY] = onMap(raster.crs, 0.0, raster.sign * 90.0);
+        frame.geoTransform = {poleX - raster.poleColumn * cell, cell, 0.0,
+                              poleY + raster.poleRow * cell,    0.0,  -cell};
+        const Result<EarthPlace> middle = placeOf(frame);
+        ASSERT_TRUE(middle) << middle.error().message;
+        EXPECT_NEAR(middle->latitude, raster.sign * 90.0, 0.01);
+        const auto expected = [&](double longitude)
+        { return raster.sign * (longitude - raster.central); };
+        EXPECT_NEAR(turned(middle->convergence - expected(middle->longitude)), 0.0, 1e-4);
+        for (const double longitude : {-100.0, 5.0, 150.0})
+            for (const double colatitude : {0.0, 0.002})
+            {
+                const EarthPlace given{longitude, raster.sign * (90.0 - colatitude), 0.0};
+                const Result<EarthPlace> place = placeInstead(given, frame.crs, middle);
+                ASSERT_TRUE(place) << place.error().message;
+                EXPECT_NEAR(turned(place->convergence - expected(longitude)), 0.0, 1e-4);
+            }
+    }
+}
+
 TEST(MapPlace, AGivenPlaceThatTheMapDoesNotShowIsRefused)
 {
     const EarthPlace given{10.0, 60.0, 0.0};

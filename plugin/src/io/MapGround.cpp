@@ -71,13 +71,14 @@ MapGround::~MapGround() = default;
 std::optional<MapGround> MapGround::between(const OGRSpatialReference& map,
                                             const OGRSpatialReference& geographic)
 {
-    OGRSpatialReference flat(map);
-    OGRSpatialReference round(geographic);
+    MapGround ground;
+    ground._map = std::make_unique<OGRSpatialReference>(map);
+    ground._geographic = std::make_unique<OGRSpatialReference>(geographic);
+    OGRSpatialReference& flat = *ground._map;
+    OGRSpatialReference& round = *ground._geographic;
     flat.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
     round.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-    MapGround ground;
     ground._toGround.reset(OGRCreateCoordinateTransformation(&flat, &round));
-    ground._toMap.reset(OGRCreateCoordinateTransformation(&round, &flat));
     ground._semiMajor = round.GetSemiMajor();
     ground._semiMinor = round.GetSemiMinor();
     ground._radiansPerUnit = round.GetAngularUnits();
@@ -85,7 +86,7 @@ std::optional<MapGround> MapGround::between(const OGRSpatialReference& map,
     ground._step = flat.IsGeographic()
                        ? radians / flat.GetAngularUnits()
                        : radians * ground._semiMajor / flat.GetTargetLinearUnits(nullptr);
-    if (!ground._toGround || !ground._toMap || !(ground._step > 0.0))
+    if (!ground._toGround || !(ground._step > 0.0))
         return std::nullopt;
     return ground;
 }
@@ -160,8 +161,11 @@ std::optional<std::pair<double, double>> MapGround::toMap(double longitude, doub
     double x = longitude / _radiansPerUnit;
     double y = latitude / _radiansPerUnit;
     int good = 0;
-    if (!_toMap->Transform(1, &x, &y, nullptr, &good) || !good || !std::isfinite(x) ||
-        !std::isfinite(y))
+    // Seldom asked for, and PROJ takes milliseconds to find it.
+    const std::unique_ptr<OGRCoordinateTransformation> transform(
+        OGRCreateCoordinateTransformation(_geographic.get(), _map.get()));
+    if (!transform || !transform->Transform(1, &x, &y, nullptr, &good) || !good ||
+        !std::isfinite(x) || !std::isfinite(y))
         return std::nullopt;
     return std::pair(x, y);
 }

@@ -55,7 +55,8 @@ public:
 private:
     MapGround() = default;
 
-    std::unique_ptr<OGRCoordinateTransformation> _toGround, _toMap;
+    std::unique_ptr<OGRSpatialReference> _map, _geographic; ///< x before y
+    std::unique_ptr<OGRCoordinateTransformation> _toGround;
     double _semiMajor = 0.0, _semiMinor = 0.0;
     double _radiansPerUnit = 1.0; ///< of the geographic CRS
     double _step = 0.0;           ///< of a difference [map units]
