@@ -133,6 +133,92 @@ TEST(EarthFiles, NamesInAnyCaseAndFlagsAsOsgEarthReadsThem)
     }
 }
 
+// Keys that say something of a layer's values are not dropped without a word.
+TEST(EarthFiles, KeysThatAreNotReadAreNamed)
+{
+    const std::pair<const char*, const char*> layers[] = {
+        {"<GDALElevation name='d' url='a.tif' VDatum='egm96' unit='ft'/>",
+         "keys of <GDALElevation name=\"d\"> (line 2: not read here: VDatum)"},
+        {"<elevation driver='gdal'><url>a.tif</url><nodata_value>-1</nodata_value><offset>true"
+         "</offset></elevation>",
+         "keys of <elevation driver=\"gdal\"> (line 2: not read here: nodata_value, offset)"},
+        {"<GDALImage url='a.tif' opacity='0.5' cell_size='3'><transparent_color/></GDALImage>",
+         "keys of <GDALImage> (line 2: not read here: opacity, cell_size, transparent_color)"}};
+    for (const auto& [layer, named] : layers)
+    {
+        const Result<EarthMap> map =
+            parseEarth(std::string("<map>\n") + layer + "</map>", "m.earth");
+        ASSERT_TRUE(map) << map.error().message;
+        ASSERT_EQ(map->notes.size(), 1u) << layer;
+        EXPECT_EQ(map->notes[0], std::string("m.earth: skipped: ") + named);
+        EXPECT_TRUE(map->warnings.empty());
+    }
+    // Of a layer that is not drawn they do not matter.
+    const Result<EarthMap> off = parseEarth(
+        "<map><GDALImage url='b.tif'/><GDALImage url='a.tif' opacity='0' open='no'/></map>", "m");
+    ASSERT_TRUE(off && off->notes.size() == 1u);
+    EXPECT_EQ(off->notes[0].find("opacity"), std::string::npos);
+}
+
+// Expected: of several light elements, and of a key given twice, the later holds.
+TEST(EarthFiles, TheLaterKeyOfLightHolds)
+{
+    const Result<EarthMap> map =
+        parseEarth("<map><GDALImage url='b.tif'/><terrain_light sun_azimuth='1' azimuths='16'>"
+                   "<sun_azimuth>2</sun_azimuth></terrain_light><terrain_light bounces='3'/></map>",
+                   "m.earth");
+    ASSERT_TRUE(map) << map.error().message;
+    EXPECT_EQ(map->light.sky.sunAzimuth, 2.0);
+    EXPECT_EQ(map->light.settings.azimuths, 16);
+    EXPECT_EQ(map->light.settings.bounces, 3);
+}
+
+TEST(EarthFiles, WhereNothingIsLeftTheErrorNamesAllThatWas)
+{
+    const struct
+    {
+        const char* layers;
+        std::vector<const char*> named;
+    } maps[] = {
+        {"<XYZImage name='osm'><url>http://t</url></XYZImage>\n<Rocky/>\n"
+         "<GDALElevation name='hidden' visible='off' url='a.tif'/>",
+         {"<XYZImage name=\"osm\"> (line 2: of a kind", "<Rocky> (line 3: of a kind",
+          "<GDALElevation name=\"hidden\"> (line 4: visible is off)"}},
+        {"<GDALElevation><connection>pg</connection></GDALElevation>\n<image driver='agglite'/>",
+         {"<GDALElevation> (line 2: has no url)", "<image driver=\"agglite\"> (line 3"}},
+        {"<CompositeElevation><layers><GDALElevation url='a'/></layers></CompositeElevation>",
+         {"<CompositeElevation> (line 2"}},
+        {"", {"needs <elevation driver=\"gdal\"> or <image driver=\"gdal\"> with a url"}}};
+    for (const auto& [layers, named] : maps)
+    {
+        const Result<EarthMap> map =
+            parseEarth(std::string("<map>\n") + layers + "</map>", "m.earth");
+        ASSERT_FALSE(map) << layers;
+        EXPECT_EQ(map.error().message.rfind("m.earth:1: holds no layer that can be drawn", 0), 0u);
+        for (const char* part : named)
+            EXPECT_NE(map.error().message.find(part), std::string::npos) << map.error().message;
+    }
+}
+
+// Expected: the first elevation that can be read gives the heights; the others are named.
+TEST(EarthFiles, OneElevationIsDrawnAndTheOthersAreNamed)
+{
+    const Result<EarthMap> map =
+        parseEarth("<map>\n<GDALElevation name='gone' url='no.tif'/>\n"
+                   "<GDALElevation name='used' url='jacksboro_90m.tif' z_factor='2'/>\n"
+                   "<GDALElevation name='spare' url='jacksboro_90m.tif'/></map>",
+                   "m.earth");
+    ASSERT_TRUE(map) << map.error().message;
+    const TerrainModel model = loadMap(*map, OTL_SOURCE_DIR "/samples/data", "m.earth");
+    ASSERT_EQ(model.warnings.size(), 2u);
+    EXPECT_EQ(model.warnings[0].rfind("m.earth:2: left out layer \"gone\": ", 0), 0u);
+    EXPECT_EQ(model.warnings[1], "m.earth:4: left out layer \"spare\": only the first elevation "
+                                 "that can be read is used");
+    // The sample has heights of 236 m to 1076 m.
+    const osg::BoundingSphere& bound = model.node->getBound();
+    EXPECT_NEAR(bound.center().z(), 2.0 * 656.0, 2.0);
+}
+
 TEST(EarthFiles, LightInAnyCase)
 {
     const Result<EarthMap> map = parseEarth(

@@ -161,10 +161,34 @@ private:
                     return error(layer.line,
                                  "<" + std::string(element.name()) + "> " + set.error().message);
         if (layer.url.empty())
+        {
             leaveOut(element, what, "has no url", true);
-        else
-            (elevation ? _map.elevations : _map.images).push_back(layer);
+            return Nothing{};
+        }
+        (elevation ? _map.elevations : _map.images).push_back(layer);
+        nameUnread(element, what, elevation);
         return Nothing{};
+    }
+
+    /// Keys of a layer that other readers of the format know, such as vdatum and opacity.
+    void nameUnread(const pugi::xml_node& element, const std::string& what, bool elevation)
+    {
+        std::vector<std::string> read = {"name", "driver", "url", "open", "enabled", "visible"};
+        if (elevation)
+            read.insert(read.end(), std::begin(readOptionNames), std::end(readOptionNames));
+        std::vector<std::string> keys;
+        for (const pugi::xml_attribute& attribute : element.attributes())
+            keys.emplace_back(attribute.name());
+        for (const pugi::xml_node& child : element.children())
+            if (child.type() == pugi::node_element)
+                keys.emplace_back(child.name());
+        std::string unread;
+        for (const std::string& key : keys)
+            if (std::find(read.begin(), read.end(), lower(key)) == read.end())
+                append(unread, key);
+        if (!unread.empty())
+            append(_skipped, "keys of " + what + " (line " + std::to_string(lineOf(element)) +
+                                 ": not read here: " + unread + ")");
     }
 
     Status readLight(const pugi::xml_node& element)
