@@ -256,11 +256,17 @@ void hintAtCurvature(const RasterOptions& options, const DemInfo& info)
     if (options.bodyRadius != BodyRadius::Unsaid || !(info.bodyRadius > 0.0))
         return;
     const double sinking = osg::RadiansToDegrees(0.5 * extentOf(info) / info.bodyRadius);
-    if (sinking > tellable)
-        warn(options.input +
-             ": is lit as flat, but the planet's curvature lowers the far edge by " +
-             CPLSPrintf("%.2g", sinking) + " degrees: --body-radius auto follows it (" +
-             text(info.bodyRadius) + " m), --body-radius 0 stays flat");
+    if (sinking <= tellable)
+        return;
+    const char* budget = options.maxError          ? "--max-error"
+                         : options.maxMilliseconds ? "--max-ms"
+                                                   : nullptr;
+    const std::string radius = "--body-radius auto (" + text(info.bodyRadius) + " m)";
+    warn(options.input + ": is lit as flat, but the planet's curvature lowers the far edge by " +
+         CPLSPrintf("%.2g", sinking) + " degrees: " +
+         (budget ? std::string(budget) + " knows flat ground only; " + radius +
+                       " instead of it follows the curvature"
+                 : radius + " follows it, --body-radius 0 stays flat"));
 }
 } // namespace
 
