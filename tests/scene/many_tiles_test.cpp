@@ -95,6 +95,51 @@ TEST(Tiles, HaveHandlesByLevelAndPlaceOrByNumber)
     EXPECT_EQ(lighting->getTileState(TileHandle::at(1, 2, 3)).stage, TileState::Stage::Unknown);
 }
 
+// Expected: one warning per TerrainLighting, with the second tile that it has at the same time.
+TEST(Tiles, BesideOthersAreSaidToBeLitAloneOnce)
+{
+    const char* warning = "Each tile is lit alone, so shadows end at the edge of the tile";
+    const DemTile dem = analytic::plane(5, 5, 10.0, 0.0);
+    std::vector<osg::ref_ptr<osg::StateSet>> states;
+    const auto add = [&](TerrainLighting& lighting)
+    {
+        states.emplace_back(new osg::StateSet);
+        return lighting.addTile(dem, states.back());
+    };
+    {
+        Said said;
+        const osg::ref_ptr<TerrainLighting> one = lightingWithBudget(0.0);
+        for (int i = 0; i < 3; ++i) // one after the other
+            EXPECT_TRUE(one->removeTile(add(*one)));
+        add(*one);
+        EXPECT_EQ(said.text(), "");
+        const TileHandle second = add(*one);
+        EXPECT_EQ(said.count(warning), 1);
+        add(*one);
+        one->removeTile(second);
+        add(*one);
+        EXPECT_EQ(said.count(warning), 1) << said.text();
+        const osg::ref_ptr<TerrainLighting> other = lightingWithBudget(0.0);
+        add(*other);
+        EXPECT_EQ(said.count(warning), 1) << "alone in a scene of its own";
+        add(*other);
+        EXPECT_EQ(said.count(warning), 2);
+    }
+    // Found in a scene.
+    OTL_NEED_GL(context);
+    Said said;
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0);
+    lighting->addChild(coneAt(-330.0));
+    ScenePicture picture(lighting, reach);
+    picture.draw(2);
+    EXPECT_EQ(said.count(warning), 0);
+    lighting->addChild(coneAt(330.0));
+    lighting->addChild(coneAt(1000.0));
+    picture.draw(2);
+    EXPECT_EQ(lighting->getTileCount(), 3u);
+    EXPECT_EQ(said.count(warning), 1) << said.text();
+}
+
 // Expected: with time for one step a frame (horizon, sky, sun, shade), the tile
 // in view is lit after four frames, then the nearer of the two beside it. They
 // were added in the other order.

@@ -4,10 +4,14 @@
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include "io/ExrFile.h"
+#include "scene/TerrainModel.h"
+#include "support/AnalyticTerrain.h"
+#include "support/GlContext.h"
 #include "support/ScenePicture.h"
 
 #include <osg/ApplicationUsage>
 #include <osg/Geode>
+#include <osg/MatrixTransform>
 #include <osg/ShapeDrawable>
 #include <osgDB/ReadFile>
 #include <osgDB/Registry>
@@ -245,6 +249,36 @@ TEST(Plugin, WrapsAScene)
     EXPECT_EQ(lighting->getSkyLight().sunAzimuth, 10.0);
     ASSERT_EQ(lighting->getNumChildren(), 1u);
     EXPECT_EQ(lighting->getChild(0)->getName(), "the scene");
+}
+
+// Expected: one warning where the file holds several tiles, as databases of VirtualPlanetBuilder
+// do, none where it holds one.
+TEST(Plugin, SaysThatTilesOfASceneAreLitAlone)
+{
+    OTL_NEED_GL(context);
+    useOwnPlugins();
+    const Folder folder;
+    for (const int count : {1, 2, 4})
+    {
+        osg::ref_ptr<osg::Group> scene = new osg::Group;
+        for (int i = 0; i < count; ++i)
+        {
+            osg::ref_ptr<osg::MatrixTransform> place =
+                new osg::MatrixTransform(osg::Matrix::translate(40.0 * i, 0.0, 0.0));
+            place->addChild(createTerrain(analytic::plane(5, 5, 10.0, 0.0)));
+            scene->addChild(place);
+        }
+        const std::string path = (folder.path / "tiles.osgb").string();
+        ASSERT_TRUE(osgDB::writeNodeFile(*scene, path));
+        Said said;
+        auto result = read(path + ".terrainlight");
+        TerrainLighting* lighting = lightingOf(result);
+        ASSERT_TRUE(lighting) << result.message();
+        ScenePicture picture(lighting, 100.0);
+        picture.draw(3);
+        EXPECT_EQ(lighting->getTileCount(), static_cast<unsigned>(count));
+        EXPECT_EQ(said.count("Each tile is lit alone"), count > 1 ? 1 : 0) << said.text();
+    }
 }
 
 TEST(Plugin, FindsFilesOnTheDataPathAndMapsOfStreams)
