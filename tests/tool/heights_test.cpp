@@ -13,7 +13,7 @@ namespace
 {
 constexpr double pi = 3.14159265358979323846;
 
-class Heights : public ToolTest
+class Heights : public GlToolTest
 {
 protected:
     void save(const MemoryRaster& raster, const std::string& name) const
@@ -59,41 +59,87 @@ TEST_F(Heights, UnitAndFactorAreThoseGiven)
     EXPECT_EQ(run("svf wall.tif s.tif --z-factor 0").status, 2);
 }
 
+// Expected: the same bits as of a raster that holds the heights in metres, exact in both.
+TEST_F(Heights, EveryModeTakesUnitAndFactor)
+{
+    MemoryRaster metres = wall();
+    MemoryRaster picture = wall(); // 16 bits, no place, no unit
+    picture.type = GDT_UInt16;
+    picture.crs = "";
+    picture.transform.clear();
+    for (std::size_t i = 0; i < metres.values.size(); ++i)
+    {
+        metres.values[i] *= 1.25;
+        picture.values[i] *= 160.0;
+    }
+    save(metres, "metres.tif");
+    const std::string levels = picture.write();
+    const GDALDatasetUniquePtr opened(GDALDataset::Open(levels.c_str()));
+    GDALDatasetUniquePtr(GetGDALDriverManager()->GetDriverByName("PNG")->CreateCopy(
+        path("picture.png").c_str(), opened.get(), FALSE, nullptr, nullptr, nullptr));
+
+    const std::string day = " --from 2024-06-21T06:00 --to 2024-06-21T08:00 --place 15,38";
+    const std::vector<std::pair<std::string, std::string>> modes = {
+        {"horizon", " o.tif --azimuths 4 -q"}, {"svf", " o.tif --azimuths 4 -q"},
+        {"shadow", " o.tif --sun 90,20 -q"},   {"shade", " o.tif --azimuths 4 -q"},
+        {"sunhours", " o.tif -q" + day},       {"render", " o.png --top --size 16,16 -q"}};
+    for (const auto& [mode, options] : modes)
+    {
+        SCOPED_TRACE(mode);
+        const auto result = [&](const std::string& input)
+        {
+            const ToolRun done = run(mode + " " + input + options);
+            EXPECT_EQ(done.status, 0) << done.err;
+            return ReadRaster(path(mode == "render" ? "o.png" : "o.tif")).bands;
+        };
+        EXPECT_EQ(result("picture.png --cell-size 10 --unit cm --z-factor 0.78125"),
+                  result("metres.tif"));
+    }
+    const ToolRun info = run("info picture.png --cell-size 10 --unit cm --z-factor 0.78125");
+    EXPECT_NE(info.out.find("0 ... 125 m"), std::string::npos) << info.out;
+}
+
 // The hint comes from d/2R > 0.1 degrees over the diagonal d of the raster: 22 km on Earth, 12 km
-// on Mars, 6 km on the Moon.
+// on Mars, 6 km on the Moon. Names are mean radii; auto is the CRS's semi-major axis.
 TEST_F(Heights, CurvatureThatMattersIsHintedAt)
 {
+    const char* earth = "EPSG:32633";
+    const char* mars = "+proj=stere +lat_0=90 +R=3396190 +units=m";
+    const char* moon = "+proj=tmerc +R=1737400 +units=m";
     const struct
     {
         const char* crs;
         double cell; // of 3 a side
-        bool hint;
-        const char* radius;
-    } cases[] = {{"EPSG:32633", 6000.0, true, "6378137"},
-                 {"EPSG:32633", 4000.0, false, "6378137"},
-                 {"+proj=stere +lat_0=90 +R=3396190 +units=m", 3500.0, true, "3396190"},
-                 {"+proj=tmerc +R=1737400 +units=m", 1700.0, true, "1737400"},
-                 {"+proj=tmerc +R=1737400 +units=m", 1100.0, false, "1737400"}};
+        const char* options;
+        const char* hint;   // the radius named, or null
+        const char* radius; // written
+    } cases[] = {{earth, 6000.0, "", "6378137", ""},
+                 {earth, 4000.0, "", nullptr, ""},
+                 {earth, 6000.0, "--body-radius 0", nullptr, ""},
+                 {earth, 6000.0, "--body-radius earth", nullptr, "6371000"},
+                 {mars, 3500.0, "", "3396190", ""},
+                 {mars, 3500.0, "--body-radius auto", nullptr, "3396190"},
+                 {mars, 3500.0, "--body-radius mars", nullptr, "3389500"},
+                 {moon, 1700.0, "", "1737400", ""},
+                 {moon, 1100.0, "", nullptr, ""},
+                 {moon, 1700.0, "--body-radius moon", nullptr, "1737400"}};
     for (const auto& c : cases)
     {
-        SCOPED_TRACE(std::string(c.crs) + ", cells of " + std::to_string(c.cell));
+        SCOPED_TRACE(std::string(c.crs) + ", " + std::to_string(c.cell) + " " + c.options);
         MemoryRaster raster = wall();
         raster.crs = c.crs;
         raster.transform = {500000, c.cell, 0, 100000, 0, -c.cell};
         save(raster, "in.tif");
-        const ToolRun plain = run("horizon in.tif out.tif -q --azimuths 4");
-        EXPECT_EQ(plain.status, 0) << plain.err;
-        EXPECT_EQ(plain.complains("--body-radius auto"), c.hint) << plain.err;
-        EXPECT_EQ(plain.complains(c.radius), c.hint) << plain.err;
-        EXPECT_FALSE(
-            run("horizon in.tif out.tif -q --azimuths 4 --body-radius 0").complains("curvature"));
-        const ToolRun own = run("horizon in.tif out.tif -q --azimuths 4 --body-radius auto");
-        EXPECT_EQ(own.status, 0) << own.err;
-        EXPECT_FALSE(own.complains("curvature")) << own.err;
+        const ToolRun result =
+            run("horizon in.tif out.tif -q --azimuths 4 " + std::string(c.options));
+        EXPECT_EQ(result.status, 0) << result.err;
+        EXPECT_EQ(result.complains("curvature"), c.hint != nullptr) << result.err;
+        EXPECT_EQ(result.complains("--body-radius auto (" + std::string(c.hint ? c.hint : "") +
+                                   " m) follows it, --body-radius 0 stays flat"),
+                  c.hint != nullptr)
+            << result.err;
         EXPECT_EQ(ReadRaster(path("out.tif")).metadata("TERRAINLIGHT_BODY_RADIUS"), c.radius);
     }
-    EXPECT_EQ(run("horizon in.tif out.tif -q --azimuths 4 --body-radius moon").status, 0);
-    EXPECT_EQ(ReadRaster(path("out.tif")).metadata("TERRAINLIGHT_BODY_RADIUS"), "1737400");
     EXPECT_TRUE(run("horizon in.tif out.tif --body-radius pluto").complains("moon, mars or auto"));
     MemoryRaster nowhere = wall();
     nowhere.crs = "";
@@ -101,4 +147,24 @@ TEST_F(Heights, CurvatureThatMattersIsHintedAt)
     const ToolRun none = run("horizon nowhere.tif out.tif -q --body-radius auto");
     EXPECT_EQ(none.status, 1);
     EXPECT_TRUE(none.complains("names no planet")) << none.err;
+}
+
+// A budget takes no radius, so the hint names no option that is refused beside it.
+TEST_F(Heights, TheHintOfCurvatureSuitsABudget)
+{
+    MemoryRaster raster = wall();
+    raster.crs = "+proj=stere +lat_0=-90 +R=2575000 +units=m"; // Titan
+    raster.transform = {500000, 3000, 0, 100000, 0, -3000};
+    save(raster, "in.tif");
+    for (const std::string budget : {"--max-error 0.05", "--max-ms 10000"})
+    {
+        const ToolRun result = run("svf in.tif out.tif -q " + budget);
+        EXPECT_EQ(result.status, 0) << result.err;
+        EXPECT_TRUE(result.complains("degrees: " + budget.substr(0, budget.find(' ')) +
+                                     " knows flat ground only; --body-radius auto (2575000 m) "
+                                     "instead of it follows the curvature"))
+            << result.err;
+        EXPECT_FALSE(result.complains("--body-radius 0")) << result.err;
+        EXPECT_EQ(run("svf in.tif out.tif --body-radius auto " + budget).status, 2);
+    }
 }

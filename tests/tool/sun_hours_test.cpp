@@ -202,6 +202,45 @@ TEST_F(SunByTime, PlaceComesFromTheRaster)
     EXPECT_NEAR(number(ReadRaster(path("s.tif")), "TERRAINLIGHT_CONVERGENCE"), there, 0.002);
 }
 
+// Expected: the sun's true azimuth at the place less the bearing of the map's y axis there: the
+// longitude from the map's own in the north, its negative in the south (Snyder 1987, section 21).
+TEST_F(SunByTime, RastersWithAPoleInside)
+{
+    const struct
+    {
+        const char* crs;
+        int width, height;    // odd: the pole is a post
+        double east, north;   // of the middle, from the pole [m]
+        const char* place;    // or empty
+        double sign, central; // of the rule
+        const char* time;
+    } maps[] = {{"EPSG:3995", 9, 7, 0, 0, "", 1, 0, "2024-06-21T03:00:00Z"},
+                {"EPSG:3413", 8, 8, 0, 0, "--place=-120,90", 1, -45, "2024-06-21T03:00:00Z"},
+                {"EPSG:3031", 8, 6, 0, 0, "", -1, 0, "2024-12-21T17:00:00Z"},
+                {"EPSG:3031", 7, 7, 100, -200, "--place 80,-89.99", -1, 0, "2024-12-21T17:00:00Z"},
+                {"EPSG:3408", 10, 9, -300, 200, "", 1, 0, "2024-05-01T21:00:00Z"}};
+    for (const auto& map : maps)
+    {
+        SCOPED_TRACE(map.crs);
+        writeRaster("pole.tif", map.width, map.height,
+                    std::vector<float>(static_cast<std::size_t>(map.width * map.height), 7.0f),
+                    {map.east - 50.0 * map.width, 100, 0, map.north + 50.0 * map.height, 0, -100});
+        placeRaster("pole.tif", map.crs);
+        const ToolRun result =
+            run("shadow pole.tif s.tif -q --time " + std::string(map.time) + " " + map.place);
+        ASSERT_EQ(result.status, 0) << result.err;
+        const ReadRaster raster(path("s.tif"));
+        EarthPlace place;
+        ASSERT_EQ(readEarthPlace(raster.metadata("TERRAINLIGHT_PLACE"), place), "");
+        UtcTime utc;
+        ASSERT_EQ(readUtcTime(map.time, utc), "");
+        const double expected =
+            sunPosition(utc, place).azimuth - map.sign * (place.longitude - map.central);
+        const double found = std::stod(raster.metadata("TERRAINLIGHT_SUN_AZIMUTH"));
+        EXPECT_NEAR(std::remainder(found - expected, 360.0), 0.0, 1e-3);
+    }
+}
+
 TEST_F(SunByTime, WarnsOfNight)
 {
     ASSERT_EQ(run("generate crater c.tif --size 9 -q").status, 0);
