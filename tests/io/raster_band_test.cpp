@@ -63,6 +63,45 @@ TEST(RasterBand, AVerticalCrsHasTheUnit)
         << "feet on a map in metres";
 }
 
+// Asked of a data set in memory, since GeoTIFF keeps no axis of its own making.
+TEST(RasterBand, TheThirdAxisOfACrsCounts)
+{
+    const auto crsWith = [](const std::string& axis, const std::string& unit)
+    {
+        return "GEOGCRS[\"3D\",DATUM[\"d\",ELLIPSOID[\"GRS 1980\",6378137,298.257222101]],"
+               "CS[ellipsoidal,3],AXIS[\"latitude\",north,ANGLEUNIT[\"degree\",0.0174532925199433]]"
+               ","
+               "AXIS[\"longitude\",east,ANGLEUNIT[\"degree\",0.0174532925199433]],AXIS[\"h\"," +
+               axis + ",LENGTHUNIT[" + unit + "]]]";
+    };
+    const struct
+    {
+        std::string crs;
+        double metresOfOne;
+    } kinds[] = {{crsWith("up", "\"metre\",1"), 1.0},
+                 {crsWith("up", "\"foot\",0.3048"), foot},
+                 {crsWith("up", "\"US survey foot\",0.304800609601219"), surveyFoot},
+                 {crsWith("down", "\"foot\",0.3048"), -foot},
+                 {"EPSG:4979", 1.0},
+                 {"EPSG:4269+6360", surveyFoot}, // degrees and NAVD88 in US survey feet
+                 {"EPSG:4326+5831", -1.0}};      // depth below the tide
+    GDALAllRegister();
+    for (const auto& kind : kinds)
+    {
+        SCOPED_TRACE(kind.crs);
+        const GDALDatasetUniquePtr dataset(GetGDALDriverManager()->GetDriverByName("MEM")->Create(
+            "", 2, 2, 1, GDT_Float32, nullptr));
+        OGRSpatialReference crs;
+        ASSERT_EQ(crs.SetFromUserInput(kind.crs.c_str()), OGRERR_NONE);
+        dataset->SetSpatialRef(&crs);
+        std::vector<std::string> notes;
+        const Result<BandFacts> facts = readBandFacts("a", *dataset, 1, "", notes);
+        ASSERT_TRUE(facts) << facts.error().message;
+        EXPECT_NEAR(facts->metresOf(1.0), kind.metresOfOne, 1e-12);
+        EXPECT_EQ(notes.size(), kind.metresOfOne < 0.0 ? 1u : 0u);
+    }
+}
+
 TEST(RasterBand, AMapInFeetHasHeightsInFeetAndSaysSo)
 {
     const struct
@@ -165,6 +204,24 @@ TEST(RasterBand, AColourTableIsForDisplay)
     }
 }
 
+TEST(RasterBand, MasksSayWhatIsVoid)
+{
+    MemoryRaster raster;
+    raster.datasetMask = {255, 0, 255, 1, 255, 0};
+    EXPECT_TRUE(expectHeights(raster, {1, missing, 3, 4, 5, missing}).notes.empty());
+    EXPECT_TRUE(describeDem(raster.write())->hasMask);
+    raster.noData = 3; // GDAL asks the mask alone then
+    raster.type = GDT_Int16;
+    raster.scale = 2.0;
+    expectHeights(raster, {2, missing, missing, 8, 10, missing});
+    raster.datasetMask = {1, 1, 1, 1, 1, 0};
+    raster.noData.reset();
+    raster.values = {10, -32768, 12, 13, 14, -32768}; // one below the mask, which is not counted
+    const DemFile file = expectHeights(raster, {20, missing, 24, 26, 28, missing});
+    EXPECT_EQ(noteWith(file, "-32768").rfind("1 post of", 0), 0u);
+    EXPECT_FALSE(describeDem(MemoryRaster().write())->hasMask);
+}
+
 TEST(RasterBand, StatisticsAreToldAndNotUsed)
 {
     MemoryRaster raster;
@@ -183,8 +240,15 @@ TEST(RasterBand, TheCoordinateEpochIsKept)
     raster.crs = "EPSG:9000"; // ITRF2014
     raster.epoch = 2021.5;
     EXPECT_EQ(readDem(raster.write())->frame.coordinateEpoch, 2021.5);
+    EXPECT_EQ(readDemReduced(raster.write(), {}, 2)->frame.coordinateEpoch, 2021.5);
+    DemReadOptions part;
+    part.window = PixelWindow{1, 0, 2, 2};
+    EXPECT_EQ(readDem(raster.write(), part)->frame.coordinateEpoch, 2021.5);
     raster.epoch = 0.0;
     EXPECT_EQ(readDem(raster.write())->frame.coordinateEpoch, 0.0);
+    raster = onMap("EPSG:7849"); // GDA2020, zone 49
+    raster.epoch = 2020.25;
+    EXPECT_EQ(readDem(raster.write())->frame.coordinateEpoch, 2020.25);
 }
 
 TEST(RasterBand, RadiiBecomeHeightsOfTheirBody)

@@ -99,6 +99,25 @@ TEST_F(Heights, EveryModeTakesUnitAndFactor)
     EXPECT_NE(info.out.find("0 ... 125 m"), std::string::npos) << info.out;
 }
 
+TEST_F(Heights, EveryAssumptionIsSaidOnce)
+{
+    MemoryRaster raster; // radii of Phobos, in an equatorial map
+    raster.crs = "+proj=eqc +R=11100 +units=m";
+    raster.type = GDT_Int16;
+    raster.offset = 11000.0;
+    raster.values = {1, -32768, 3, -32768, -2, 6};
+    raster.unit = "furlongs of old";
+    save(raster, "in.tif");
+    const ToolRun result = run("svf in.tif out.tif -q --azimuths 4 --body-radius 0");
+    EXPECT_EQ(result.status, 0) << result.err;
+    const std::string start = "terrainlight: warning: in.tif: ";
+    EXPECT_EQ(result.err,
+              start +
+                  "height unit \"furlongs of old\" is not known: heights are taken as metres\n" +
+                  start + "heights are radii of the body: its 11100 m come off\n" + start +
+                  "2 posts of -32768, which is no declared nodata value: taken as void\n");
+}
+
 // The hint comes from d/2R > 0.1 degrees over the diagonal d of the raster: 22 km on Earth, 12 km
 // on Mars, 6 km on the Moon. Names are mean radii; auto is the CRS's semi-major axis.
 TEST_F(Heights, CurvatureThatMattersIsHintedAt)
@@ -122,13 +141,15 @@ TEST_F(Heights, CurvatureThatMattersIsHintedAt)
                  {mars, 3500.0, "--body-radius mars", nullptr, "3389500"},
                  {moon, 1700.0, "", "1737400", ""},
                  {moon, 1100.0, "", nullptr, ""},
-                 {moon, 1700.0, "--body-radius moon", nullptr, "1737400"}};
+                 {moon, 1700.0, "--body-radius moon", nullptr, "1737400"},
+                 {"+proj=longlat +R=2439400", 0.06, "", "2439400", ""}}; // Mercury
     for (const auto& c : cases)
     {
         SCOPED_TRACE(std::string(c.crs) + ", " + std::to_string(c.cell) + " " + c.options);
         MemoryRaster raster = wall();
         raster.crs = c.crs;
-        raster.transform = {500000, c.cell, 0, 100000, 0, -c.cell};
+        const bool degrees = c.cell < 1.0;
+        raster.transform = {degrees ? 5.0 : 500000, c.cell, 0, degrees ? 1.0 : 100000, 0, -c.cell};
         save(raster, "in.tif");
         const ToolRun result =
             run("horizon in.tif out.tif -q --azimuths 4 " + std::string(c.options));

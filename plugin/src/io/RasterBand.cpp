@@ -83,27 +83,54 @@ std::optional<Error> readScale(const std::string& path, GDALRasterBand& band, Ba
     return std::nullopt;
 }
 
+struct VerticalAxis
+{
+    std::string unit;
+    double metres = 1.0; ///< of the unit
+    bool down = false;
+};
+
+/// Of a CRS with heights: compound, vertical, or with three axes.
+std::optional<VerticalAxis> verticalAxisOf(const OGRSpatialReference& crs)
+{
+    const bool isPart = crs.IsCompound() || crs.IsVertical();
+    if (!isPart && (crs.IsGeocentric() || crs.GetAxesCount() != 3))
+        return std::nullopt;
+    OGRAxisOrientation orientation = OAO_Other;
+    VerticalAxis axis;
+    // Of a part GDAL knows the unit by another way than of a third axis.
+    crs.GetAxis(isPart ? "VERT_CS" : nullptr, isPart ? 0 : 2, &orientation, &axis.metres);
+    axis.down = orientation == OAO_Down;
+    const char* name = nullptr;
+    if (isPart)
+        axis.metres = crs.GetTargetLinearUnits("VERT_CS", &name);
+    axis.unit = name ? name : number(axis.metres) + " m";
+    return axis;
+}
+
 /// The unit of the CRS's vertical axis, or else, where the map itself is not in metres, the map's:
 /// most heights come in the unit of their map, and gdaldem takes them so.
 void readUnitOfCrs(const OGRSpatialReference& crs, BandFacts& facts,
                    std::vector<std::string>& notes)
 {
-    const bool vertical = crs.IsCompound() || crs.IsVertical();
-    const bool map = crs.IsProjected() || crs.IsLocal();
-    if (!vertical && !map)
+    if (const std::optional<VerticalAxis> axis = verticalAxisOf(crs))
+    {
+        if (!(std::isfinite(axis->metres) && axis->metres > 0.0))
+            return;
+        facts.heightUnit = axis->unit;
+        facts.metresPerHeightUnit = axis->metres;
         return;
+    }
     const char* name = nullptr;
-    const double metres = crs.GetTargetLinearUnits(vertical        ? "VERT_CS"
-                                                   : crs.IsLocal() ? "LOCAL_CS"
-                                                                   : "PROJCS",
-                                                   &name);
-    if (!(std::isfinite(metres) && metres > 0.0) || (!vertical && metres == 1.0))
+    if (!crs.IsProjected() && !crs.IsLocal())
+        return;
+    const double metres = crs.GetTargetLinearUnits(crs.IsLocal() ? "LOCAL_CS" : "PROJCS", &name);
+    if (!(std::isfinite(metres) && metres > 0.0) || metres == 1.0)
         return;
     facts.heightUnit = name ? name : "";
     facts.metresPerHeightUnit = metres;
-    if (!vertical)
-        notes.push_back("no height unit is known: heights are taken in the map's, " +
-                        facts.heightUnit + " (" + number(metres) + " m); --unit m tells of metres");
+    notes.push_back("no height unit is known: heights are taken in the map's, " + facts.heightUnit +
+                    " (" + number(metres) + " m); --unit m tells of metres");
 }
 
 /// Some planetary products give radii in kilometres and no unit; their offset is the body's radius.
@@ -144,9 +171,9 @@ bool pointsDown(GDALRasterBand& band, const OGRSpatialReference* crs)
 {
     if (const char* positive = band.GetMetadataItem("positive"))
         return EQUAL(positive, "down");
-    OGRAxisOrientation orientation = OAO_Other;
-    return crs && (crs->IsCompound() || crs->IsVertical()) &&
-           crs->GetAxis("VERT_CS", 0, &orientation) && orientation == OAO_Down;
+    const std::optional<VerticalAxis> axis =
+        crs ? verticalAxisOf(*crs) : std::optional<VerticalAxis>();
+    return axis && axis->down;
 }
 
 std::optional<std::array<double, 2>> readStatistics(GDALRasterBand& band)
