@@ -558,6 +558,59 @@ TEST(DemReader, NoGeotransformNeedsACellSize)
     EXPECT_TRUE(mentions(read->notes, "cell size given is not used"));
 }
 
+TEST(DemReader, PlacesThatAreNoneAreRefused)
+{
+    const struct
+    {
+        std::vector<double> transform;
+        const char* said;
+    } places[] = {{{0, 10, 5, 0, 5, -10}, "is rotated (10, 5; 5, -10)"},
+                  {{0, 10, 0.1, 0, 0, -10}, "is rotated"}, // 0.2 m over 2 rows
+                  {{0, 0, 10, 0, 10, 0}, "is rotated"},    // rows along the other axis
+                  {{0, 10, 0, 0, 0, 0}, "has no cell size"},
+                  {{0, 0, 0, 0, 0, -10}, "has no cell size"},
+                  {{0, missing, 0, 0, 0, -10}, "has no cell size"}};
+    for (const auto& place : places)
+    {
+        // GeoTIFF writes some of them in another way.
+        std::string text = "<VRTDataset rasterXSize=\"3\" rasterYSize=\"2\"><GeoTransform>";
+        for (const double number : place.transform)
+            text += (text.back() == '>' ? "" : ",") + std::to_string(number);
+        text += "</GeoTransform><VRTRasterBand dataType=\"Float32\" band=\"1\"/></VRTDataset>";
+        const Result<DemFile> read = readDem(text);
+        ASSERT_FALSE(read) << place.said;
+        EXPECT_NE(read.error().message.find(place.said), std::string::npos) << read.error().message;
+    }
+    MemoryRaster raster;
+    raster.transform = {0, 10, 0.001, 0, 0, -10}; // rounding of whoever wrote it
+    EXPECT_TRUE(readDem(raster.write()));
+
+    raster.transform.clear();
+    raster.crs.clear();
+    const std::string path = raster.write();
+    {
+        GDALDatasetUniquePtr dataset(
+            GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_UPDATE));
+        GDAL_GCP points[3];
+        GDALInitGCPs(3, points);
+        for (int i = 0; i < 3; ++i)
+        {
+            points[i].dfGCPPixel = i % 2 * 3.0;
+            points[i].dfGCPLine = i / 2 * 2.0;
+            points[i].dfGCPX = 1000.0 + i % 2 * 30.0;
+            points[i].dfGCPY = 2000.0 - i / 2 * 20.0;
+        }
+        OGRSpatialReference crs;
+        crs.importFromEPSG(32633);
+        ASSERT_EQ(dataset->SetGCPs(3, points, &crs), CE_None);
+        GDALDeinitGCPs(3, points);
+    }
+    const Result<DemFile> read = readDem(path);
+    ASSERT_FALSE(read);
+    EXPECT_NE(read.error().message.find("only ground control points; gdalwarp"), std::string::npos)
+        << read.error().message;
+}
+
 TEST(DemReader, Poles)
 {
     MemoryRaster raster;

@@ -171,6 +171,52 @@ TEST(RasterBand, AnAxisThatPointsDownMakesDepths)
     expectHeights(raster, {1, 2, 3});
 }
 
+// Neighbours at the end of a type's range: 1 m apart after the scale, about 0 after the offset. All
+// is exact in double; float would lose the last bits of 32 and more.
+TEST(RasterBand, PixelTypes)
+{
+    const struct
+    {
+        GDALDataType type;
+        double end, inwards;
+    } types[] = {{GDT_Byte, 255.0, -8.0},
+                 {GDT_Byte, 0.0, 8.0},
+                 {GDT_UInt16, 65535.0, -8.0},
+                 {GDT_Int16, 32767.0, -8.0},
+                 {GDT_Int16, -32766.0, 8.0}, // below are the customary voids
+                 {GDT_UInt32, 4294967295.0, -8.0},
+                 {GDT_Int32, 2147483647.0, -8.0},
+                 {GDT_Int32, -2147483648.0, 8.0},
+                 {GDT_UInt64, 9007199254740992.0, -8.0},
+                 {GDT_Int64, -9007199254740992.0, 8.0},
+                 {GDT_Float32, 16777216.0, -8.0},
+                 {GDT_Float64, 9007199254740992.0, -8.0}};
+    for (const auto& each : types)
+    {
+        SCOPED_TRACE(GDALGetDataTypeName(each.type));
+        MemoryRaster raster;
+        raster.type = each.type;
+        raster.scale = 0.125;
+        raster.offset = -0.125 * each.end;
+        raster.values.clear();
+        std::vector<double> expected;
+        for (int i = 0; i < 6; ++i)
+        {
+            raster.values.push_back(each.end + i * each.inwards);
+            expected.push_back(0.125 * i * each.inwards);
+        }
+        EXPECT_TRUE(expectHeights(raster, expected).notes.empty());
+    }
+    MemoryRaster raster;
+    for (const GDALDataType type : {GDT_CInt16, GDT_CInt32, GDT_CFloat32, GDT_CFloat64})
+    {
+        raster.type = type;
+        const Result<DemFile> read = readDem(raster.write());
+        ASSERT_FALSE(read);
+        EXPECT_NE(read.error().message.find("holds complex numbers"), std::string::npos);
+    }
+}
+
 TEST(RasterBand, SignedBytes)
 {
     MemoryRaster raster;
@@ -202,6 +248,27 @@ TEST(RasterBand, AColourTableIsForDisplay)
                       .find("taken as heights"),
                   std::string::npos);
     }
+}
+
+TEST(RasterBand, AScaleThatIsNoneIsRefused)
+{
+    const double infinite = std::numeric_limits<double>::infinity();
+    for (const auto& [scale, offset] : std::vector<std::pair<double, double>>{
+             {0.0, 0.0}, {0.0, 100.0}, {missing, 0.0}, {infinite, 0.0}, {1.0, missing}})
+    {
+        const GDALDatasetUniquePtr dataset(GetGDALDriverManager()->GetDriverByName("MEM")->Create(
+            "", 2, 2, 1, GDT_Int16, nullptr));
+        dataset->GetRasterBand(1)->SetScale(scale);
+        dataset->GetRasterBand(1)->SetOffset(offset);
+        std::vector<std::string> notes;
+        const Result<BandFacts> facts = readBandFacts("a.tif", *dataset, 1, "", notes);
+        ASSERT_FALSE(facts) << scale << ", " << offset;
+        EXPECT_EQ(facts.error().message.rfind("a.tif: band scale ", 0), 0u);
+    }
+    MemoryRaster raster;
+    raster.scale = -2.0; // turns heights over, as GDAL has it
+    raster.offset = 100.0;
+    expectHeights(raster, {98, 96, 94, 92, 90, 88});
 }
 
 TEST(RasterBand, MasksSayWhatIsVoid)
