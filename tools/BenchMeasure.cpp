@@ -30,8 +30,8 @@ struct Times
 
 /// Reads back all that errors are of. Bounces are read one by one: the sum in the shading has lost
 /// them to the rounding of the direct light.
-Result<Found> readBack(const Gpu& gpu, const Truth& truth, const LightingSettings& settings,
-                       TileLight& lighting)
+Found readBack(const Gpu& gpu, const Truth& truth, const LightingSettings& settings,
+               const TileLight& lighting)
 {
     Found found;
     found.indirect.resize(truth.indirect.size());
@@ -44,17 +44,12 @@ Result<Found> readBack(const Gpu& gpu, const Truth& truth, const LightingSetting
             found.indirect[i] += luminance({c.r(), c.g(), c.b()});
         }
     }
-    LightingSettings fewer = settings; // the truth of direct light has none
-    fewer.bounces = 0;
-    lighting.setSettings(fewer);
-    if (Status done = lighting.update(gpu.state()); !done)
-        return done.error();
-    if (fewer.bounceMethod == BounceMethod::Slices)
+    if (settings.bounceMethod == BounceMethod::Slices)
     {
         found.horizons = lighting.readHorizons(gpu.state());
         found.sky = lighting.readSkyView(gpu.state());
     }
-    found.shading = lighting.readShading(gpu.state());
+    found.direct = lighting.readDirect(gpu.state());
     return found;
 }
 
@@ -105,12 +100,10 @@ Status measure(const Gpu& gpu, const DemTile& tile, const Truth& truth, const Sk
     row.bytes = lighting->bytes();
     if (row.skipped.empty() && row.errors.empty() && !truth.posts.empty())
     {
-        Result<Found> found = readBack(gpu, truth, row.settings, *lighting);
-        if (!found)
-            return found.error();
+        Found found = readBack(gpu, truth, row.settings, *lighting);
         for (const Quantity& quantity : directQuantities())
-            row.errors.push_back(statisticsOf(quantity.compare(truth, *found)));
-        row.indirect = std::move(found->indirect);
+            row.errors.push_back(statisticsOf(quantity.compare(truth, found)));
+        row.indirect = std::move(found.indirect);
     }
     lighting->releaseGLObjects(&gpu.state());
     osg::flushAllDeletedGLObjects(gpu.state().getContextID());

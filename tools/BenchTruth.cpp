@@ -92,7 +92,7 @@ std::vector<Compared> compareSun(const Truth& truth, const Found& found)
     std::vector<Compared> values;
     for (std::size_t i = 0; i < truth.posts.size(); ++i)
         values.push_back(
-            {static_cast<double>(found.shading.at(truth.posts[i].column, truth.posts[i].row).a()),
+            {static_cast<double>(found.direct.at(truth.posts[i].column, truth.posts[i].row).a()),
              truth.sun[i]});
     return values;
 }
@@ -111,7 +111,7 @@ std::vector<Compared> compareLight(const Truth& truth, const Found& found)
         const std::size_t lender = i % truth.skyPosts;
         const double sky =
             lends ? skyView(i) - (skyView(lender) - truth.sky[lender]) : truth.sky[i];
-        const osg::Vec4f& c = found.shading.at(truth.posts[i].column, truth.posts[i].row);
+        const osg::Vec4f& c = found.direct.at(truth.posts[i].column, truth.posts[i].row);
         values.push_back({osgTerrainLight::luminance(Rgb{c.r(), c.g(), c.b()}),
                           truth.skyLuminance * sky + truth.sunlight[i] * truth.sun[i]});
     }

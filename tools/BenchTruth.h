@@ -88,7 +88,7 @@ struct Found
 {
     HorizonMap horizons;
     Raster<float> sky;
-    Raster<osg::Vec4f> shading;   ///< of direct light
+    Raster<osg::Vec4f> direct;    ///< light
     std::vector<double> indirect; ///< luminance of all bounces, post by post
 };
 

@@ -46,146 +46,200 @@ const int POSTS_PER_STEP = 2;
 const int POSTS_PER_STEP = 1;
 #endif
 
-void main()
+// A line: at minor coordinate start + drift * i over major coordinate i.
+struct Line
 {
-    vec4 direction = directions[firstDirection + int(gl_GlobalInvocationID.z)];
-    float drift = direction.x;
-    int look = int(direction.y);
-    bool north = direction.z != 0.0;
-    int layer = int(direction.w);
-    int steps = north ? size.y : size.x;
-    int breadth = north ? size.x : size.y;
+    float drift; // along the minor axis per step of the major axis towards +
+    int look;    // along the major axis
+    bool north;  // the major axis
+    int layer;
+    int number;
+    float shift, start;
+    int first, count; // major coordinate where it is over the tile first, and steps there
+};
 
-    // Line j stands at minor coordinate lineStart + drift * i over major coordinate i.
-    int line = ASKED * int(gl_GlobalInvocationID.x) + PARITY;
-    float perPost = float(linesPerPost);
-    float shift = max(drift, 0.0) * float(steps - 1);
-    float lineStart = float(line) / perPost - shift;
+// Vertices of the hull but for the newest: height, position in steps walked.
+vec2 hull[HULL_CAPACITY];
+// The newest two stand in registers.
+vec2 newest = vec2(0.0);
+vec2 second = vec2(0.0);
+int vertices = 0;
 
+int steps(Line line)
+{
+    return line.north ? size.y : size.x;
+}
+
+int breadth(Line line)
+{
+    return line.north ? size.x : size.y;
+}
+
+// Steps along the major axis, and across it.
+ivec2 along(Line line)
+{
+    return line.north ? ivec2(0, line.look) : ivec2(line.look, 0);
+}
+
+ivec2 across(Line line)
+{
+    return line.north ? ivec2(1, 0) : ivec2(0, 1);
+}
+
+ivec2 postAt(Line line, int minor, int major)
+{
+    return line.north ? ivec2(minor, major) : ivec2(major, minor);
+}
+
+// The line of this invocation; count is 0 where it misses the tile.
+Line lineOf(vec4 direction)
+{
+    Line line;
+    line.drift = direction.x;
+    line.look = int(direction.y);
+    line.north = direction.z != 0.0;
+    line.layer = int(direction.w);
+    line.number = ASKED * int(gl_GlobalInvocationID.x) + PARITY;
+    line.shift = max(line.drift, 0.0) * float(steps(line) - 1);
+    line.start = float(line.number) / float(linesPerPost) - line.shift;
     // Major coordinates at which the line is over the tile, half a post around it included.
     int low = 0;
-    int high = steps - 1;
-    if (abs(drift) > 1.0e-6)
+    int high = steps(line) - 1;
+    float edge = float(breadth(line)) - 0.001;
+    if (abs(line.drift) > 1.0e-6)
     {
-        float a = (-0.999 - lineStart) / drift;
-        float b = (float(breadth) - 0.001 - lineStart) / drift;
+        float a = (-0.999 - line.start) / line.drift;
+        float b = (edge - line.start) / line.drift;
         low = max(low, int(ceil(min(a, b))));
         high = min(high, int(floor(max(a, b))));
     }
-    else if (lineStart < -0.999 || lineStart > float(breadth) - 0.001)
-        return;
-    int count = high - low + 1;
-    int start = look > 0 ? high : low;
+    else if (line.start < -0.999 || line.start > edge)
+        high = low - 1;
+    line.first = line.look > 0 ? high : low;
+    line.count = high - low + 1;
+    return line;
+}
 
-    // Vertices: height, position in steps walked. The newest two stand in registers; hull[] holds
-    // all but the newest.
-    vec2 hull[HULL_CAPACITY];
-    vec2 newest = vec2(0.0);
-    vec2 second = vec2(0.0);
-    int vertices = 0;
-    for (int chunk = 0; chunk < count; chunk += CHUNK)
+// A hull that is almost full loses every second vertex.
+void thinHull()
+{
+    int kept = vertices / 2;
+    for (int i = 1; i < kept; ++i)
+        hull[i] = hull[2 * i];
+    imageAtomicAdd(dropped, ivec2(0), uint(vertices - 1 - kept));
+    second = hull[kept - 1];
+    vertices = kept + 1;
+}
+
+// The line's surface after so many steps becomes the newest vertex, but where it is void.
+void push(Line line, int walked)
+{
+    int major = line.first - line.look * walked;
+    float minor = line.start + line.drift * float(major);
+    int whole = int(floor(minor));
+    ivec2 post = postAt(line, whole, major) + frame;
+    float a = postHeight(heights, post);
+    float b = postHeight(heights, post + across(line));
+    vec2 vertex = vec2(crossingHeight(a, b, minor - float(whole)), float(walked));
+    if (isVoid(vertex.x))
+        return;
+    while (vertices > 1 && hidesOrEquals(vertex, newest, second))
+    {
+        newest = second;
+        --vertices;
+        second = hull[max(vertices - 2, 0)];
+    }
+    hull[max(vertices - 1, 0)] = newest;
+    second = newest;
+    newest = vertex;
+    ++vertices;
+}
+
+// The vertex in which an eye, height and position, sees the horizon.
+vec2 vertexSeen(vec2 eye)
+{
+    vec2 nearer = newest;
+    vec2 farther = second;
+    int rest = vertices - 1;
+    while (rest > 0 && hidesOrEquals(eye, nearer, farther))
+    {
+        nearer = farther;
+        --rest;
+        farther = hull[max(rest - 1, 0)];
+    }
+    return nearer;
+}
+
+// Writes the horizon of a post that asks the line after so many steps.
+void serve(Line line, int minor, int major, int walked)
+{
+    ivec2 post = postAt(line, minor, major);
+    vec2 eye = vec2(postHeight(heights, post + frame), float(walked));
+    float turn = line.drift * float(line.look); // of the ray, per step
+    float room = turn < 0.0 ? float(minor) : float(breadth(line) - 1 - minor);
+    // Steps to the edge of the data; none where the ray runs along the grid.
+    float exit = abs(turn) < 1.0e-7 ? float(steps(line)) : room / abs(turn);
+    vec2 seen = vertexSeen(eye);
+    // A line may leave the data later than the ray beside it: what it sees there, the ray would see
+    // at its own exit at most. Where the line's only sample that far is beyond the data, its exit
+    // is asked.
+    float found = min(vertices > 0 ? eye.y - seen.y : exit, floor(exit));
+    Slope slope = NO_HORIZON;
+    bool measured = false;
+    for (int i = FIRST_MEASURED; i <= 1; ++i)
+    {
+        float away = found + float(i);
+        bool onRay = away > float(reach) && away < exit + 1.0 && away <= float(walked);
+        Slope met = slopeAtStep(heights, post + frame, eye.x, along(line), across(line), turn,
+                                onRay ? int(away) : 1);
+        onRay = onRay && met > NO_HORIZON;
+        slope = onRay ? max(slope, met) : slope;
+        measured = measured || onRay;
+    }
+    // Beside a void the ray may meet no surface there; then the line's word stands.
+    if (vertices > 0 && !measured && floor(exit) > float(reach))
+        slope = (seen.x - eye.x) / (eye.y - seen.y);
+    float stepLength = texelFetch(stepLengths, ivec2(line.layer, post.y), 0).x;
+    float code = codeOfElevation(elevationOfSlope(slope / stepLength));
+    if (PARITY == 1)
+        code = max(code, imageLoad(horizon, ivec3(post, line.layer)).x);
+    imageStore(horizon, ivec3(post, line.layer), vec4(code));
+}
+
+// Whether a post asks this line. Which lines it asks follows from the post, so that rounding cannot
+// give it more or fewer.
+bool isAsked(Line line, int minor, float drifted)
+{
+    // The line asked, or the first of two.
+    int lead =
+        int(floor((float(minor) - drifted + line.shift) * float(linesPerPost) + LEAD));
+    return lead == line.number || (ASKED == 2 && lead + 1 == line.number);
+}
+
+void main()
+{
+    Line line = lineOf(directions[firstDirection + int(gl_GlobalInvocationID.z)]);
+    for (int chunk = 0; chunk < line.count; chunk += CHUNK)
     {
         // Asked once per chunk, not per push: a processor that runs lanes in step pays for it each
         // time.
         if (vertices > HULL_CAPACITY - CHUNK)
+            thinHull();
+        for (int walked = chunk; walked < min(chunk + CHUNK, line.count); ++walked)
         {
-            int kept = vertices / 2;
-            for (int i = 1; i < kept; ++i)
-                hull[i] = hull[2 * i];
-            imageAtomicAdd(dropped, ivec2(0), uint(vertices - 1 - kept));
-            second = hull[kept - 1];
-            vertices = kept + 1;
-        }
-        for (int walked = chunk; walked < min(chunk + CHUNK, count); ++walked)
-        {
-            int pushed = walked - reach - 1;
-            if (pushed >= 0)
-            {
-                int major = start - look * pushed;
-                float minor = lineStart + drift * float(major);
-                int whole = int(floor(minor));
-                ivec2 post = (north ? ivec2(whole, major) : ivec2(major, whole)) + frame;
-                float a = postHeight(heights, post);
-                float b = postHeight(heights, post + (north ? ivec2(1, 0) : ivec2(0, 1)));
-                vec2 vertex = vec2(crossingHeight(a, b, minor - float(whole)), float(pushed));
-                if (!isVoid(vertex.x))
-                {
-                    while (vertices > 1 && hidesOrEquals(vertex, newest, second))
-                    {
-                        newest = second;
-                        --vertices;
-                        second = hull[max(vertices - 2, 0)];
-                    }
-                    hull[max(vertices - 1, 0)] = newest;
-                    second = newest;
-                    newest = vertex;
-                    ++vertices;
-                }
-            }
-
-            int major = start - look * walked;
-            float drifted = drift * float(major);
-            int beside = int(floor(lineStart + drifted));
+            if (walked > reach)
+                push(line, walked - reach - 1);
+            int major = line.first - line.look * walked;
+            float drifted = line.drift * float(major);
+            int beside = int(floor(line.start + drifted));
             for (int side = 0; side < POSTS_PER_STEP; ++side)
             {
-                // Which lines a post asks follows from the post, so that rounding cannot give it
-                // more or fewer. `lead`: the line asked, or the first of two.
                 int minor = beside + side;
-                int lead = int(floor((float(minor) - drifted + shift) * perPost + LEAD));
-                bool mine = lead == line || (ASKED == 2 && lead + 1 == line);
+                bool mine = isAsked(line, minor, drifted);
                 if (POSTS_PER_STEP == 1 && !mine)
-                {
-                    ++minor;
-                    lead = int(floor((float(minor) - drifted + shift) * perPost + LEAD));
-                    mine = lead == line || (ASKED == 2 && lead + 1 == line);
-                }
-                bool served = minor >= 0 && minor < breadth && mine;
-                if (served)
-                {
-                    ivec2 post = north ? ivec2(minor, major) : ivec2(major, minor);
-                    vec2 eye = vec2(postHeight(heights, post + frame), float(walked));
-                    float turn = drift * float(look); // of the ray, per step
-                    float room = turn < 0.0 ? float(minor) : float(breadth - 1 - minor);
-                    // Steps to the edge of the data; none where the ray runs along the grid.
-                    float exit = abs(turn) < 1.0e-7 ? float(steps) : room / abs(turn);
-
-                    vec2 nearer = newest;
-                    vec2 farther = second;
-                    int rest = vertices - 1;
-                    while (rest > 0 && hidesOrEquals(eye, nearer, farther))
-                    {
-                        nearer = farther;
-                        --rest;
-                        farther = hull[max(rest - 1, 0)];
-                    }
-                    // A line may leave the data later than the ray beside it: what it sees there,
-                    // the ray would see at its own exit at most.
-                    // Where the line's only sample that far is beyond the data, its exit is asked.
-                    float found = min(vertices > 0 ? eye.y - nearer.y : exit, floor(exit));
-                    Slope slope = NO_HORIZON;
-                    bool measured = false;
-                    for (int i = FIRST_MEASURED; i <= 1; ++i)
-                    {
-                        float away = found + float(i);
-                        bool onRay = away > float(reach) && away < exit + 1.0 &&
-                                     away <= float(walked);
-                        Slope met = slopeAtStep(heights, post + frame, eye.x,
-                                                north ? ivec2(0, look) : ivec2(look, 0),
-                                                north ? ivec2(1, 0) : ivec2(0, 1), turn,
-                                                onRay ? int(away) : 1);
-                        onRay = onRay && met > NO_HORIZON;
-                        slope = onRay ? max(slope, met) : slope;
-                        measured = measured || onRay;
-                    }
-                    // Beside a void the ray may meet no surface there; then the line's word stands.
-                    if (vertices > 0 && !measured && floor(exit) > float(reach))
-                        slope = (nearer.x - eye.x) / (eye.y - nearer.y);
-                    float stepLength = texelFetch(stepLengths, ivec2(layer, post.y), 0).x;
-                    float code = codeOfElevation(elevationOfSlope(slope / stepLength));
-                    if (PARITY == 1)
-                        code = max(code, imageLoad(horizon, ivec3(post, layer)).x);
-                    imageStore(horizon, ivec3(post, layer), vec4(code));
-                }
+                    mine = isAsked(line, ++minor, drifted);
+                if (minor >= 0 && minor < breadth(line) && mine)
+                    serve(line, minor, major, walked);
             }
         }
     }

@@ -371,24 +371,12 @@ TEST(SunAtGround, IsTheSunsOwnWithoutClearAir)
 }
 
 // A sun that is off is still the one that makes the sky.
-TEST(SameSky, ClearGoesWithItsSun)
+TEST(ClearSky, StaysWithoutTheSunsLight)
 {
     const SkyLight light = clear(3.0, 30.0);
     SkyLight other = light;
     other.sunEnabled = false;
     other.skyRadiance = {9.0f, 9.0f, 9.0f};
     other.sunAngularRadius = 1.0;
-    EXPECT_TRUE(sameSky(light, other));
     EXPECT_EQ(modelRadiance(light, {0.0, 0.6, 0.8}), modelRadiance(other, {0.0, 0.6, 0.8}));
-    const auto differs = [&](const std::function<void(SkyLight&)>& change)
-    {
-        SkyLight changed = light;
-        change(changed);
-        return !sameSky(light, changed);
-    };
-    EXPECT_TRUE(differs([](SkyLight& s) { s.turbidity = 4.0; }));
-    EXPECT_TRUE(differs([](SkyLight& s) { s.sunAzimuth += 1.0; }));
-    EXPECT_TRUE(differs([](SkyLight& s) { s.sunElevation += 1.0; }));
-    EXPECT_TRUE(differs([](SkyLight& s) { s.sunIrradiance[2] = 2.0f; }));
-    EXPECT_TRUE(differs([](SkyLight& s) { s.skyModel = SkyModel::Overcast; }));
 }

@@ -108,7 +108,7 @@ TEST(BounceInterval, DirectLightIsOfNowAndBouncesOfTheirLastUpdate)
             int kept = 0, keptOfAnother = 0;
             for (std::size_t step = 1; step <= 20; ++step)
             {
-                const std::size_t now = (step / 2) % 2;
+                const std::size_t now = step % 2;
                 lighting->setSky(lights[now]);
                 const unsigned before = countsOf(*lighting)["bounce"];
                 update(*lighting, state);

@@ -430,6 +430,11 @@ void main()
     readStorage(state, *sums);
     for (int i = 0; i < 5; ++i)
         EXPECT_EQ((*sums)[static_cast<std::size_t>(i)], 99.0f + 10.0f * float(i));
+    // Buffers go with a pass's other objects.
+    const unsigned id = state.getContextID();
+    EXPECT_NE(sums->getBufferObject()->getGLBufferObject(id), nullptr);
+    passes[0]->releaseGLObjects(&state);
+    EXPECT_EQ(sums->getBufferObject()->getGLBufferObject(id), nullptr);
     EXPECT_EQ(takeGlErrors(), "");
 }
 

@@ -1,4 +1,5 @@
 // What a tile costs, in bytes and runs of stages.
+#include "core/SettingsTable.h"
 #include "core/SyntheticTerrain.h"
 #include "lighting/TileLight.h"
 #include "lighting/nodes/PyramidLayout.h"
@@ -8,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <set>
 #include <string>
 
 using namespace osgTerrainLight;
@@ -81,4 +83,114 @@ TEST(TileCost, OfBouncesIsOneTextureOfLightAndOneOfWhatIsSentForEach)
         EXPECT_EQ(runsOf(*lighting), expected) << bounces;
         lighting->releaseGLObjects(&context->state());
     }
+}
+
+namespace
+{
+/// A value of each row that is neither the default nor dear.
+const std::map<std::string, std::string> otherValues = {
+    {"azimuths", "12"},
+    {"quality", "draft"},
+    {"body-radius", "6371000"},
+    {"bounces", "2"},
+    {"bounce-method", "legendre"},
+    {"subsampling", "2"},
+    {"bounce-interval", "3"},
+    {"albedo", "0.25"},
+    {"gloss", "0.25"},
+    {"gloss-exponent", "16"},
+    {"gloss-transfer", "scalar"},
+    {"gloss-viewer", "1,0,0"},
+    {"exposure", "2"},
+    {"sun-azimuth", "100"},
+    {"sun-elevation", "10"},
+    {"sun-radius", "2"},
+    {"sun-irradiance", "1,2,3"},
+    {"sun-enabled", "off"},
+    {"sky-radiance", "1,2,3"},
+    {"turbidity", "5"},
+    {"sky-heading", "90"},
+    {"sky-gain", "2"},
+    {"sky-model", "overcast"},
+    {"sky-enabled", "off"},
+    {"sky-harmonics", "1,0.5,0.25,0.125"},
+    {"key-lights", "100,30,10,40,1,2,3"},
+};
+
+/// Stages that a change may run again: those that the table's column stands for, and what follows
+/// from them.
+std::set<std::string> stagesBehind(Invalidation invalidates)
+{
+    using I = Invalidation;
+    std::set<std::string> stages;
+    if (meets(invalidates, I::Heights | I::Horizons | I::Method))
+        stages = {"horizon", "sun", "key", "sky", "pyramid"};
+    if (meets(invalidates, I::SkyShape))
+        stages.insert({"sky", "table"});
+    if (meets(invalidates, I::SunPlace))
+        stages.insert("sun");
+    if (meets(invalidates, I::Keys))
+        stages.insert("key");
+    if (meets(invalidates, I::Transport | I::Pace | I::Gloss))
+        stages.insert({"pyramid", "gloss"});
+    if (!stages.empty() || meets(invalidates, I::Light))
+        stages.insert("shade");
+    if (!stages.empty() || meets(invalidates, I::Albedo))
+        stages.insert({"sent", "bounce", "compose"});
+    return stages;
+}
+
+/// Changes one row at a time: the light is a new tile's, and no stage runs but those behind it.
+template <class Owner, class Change>
+void expectRowsRunWhatTheyInvalidate(osg::State& state, Change&& changed)
+{
+    const DemTile tile = generateTerrain(TerrainKind::Fractal, 24, 20, 30.0, 1).value();
+    LightingSettings before;
+    before.azimuths = 8;
+    before.bounces = 1;
+    for (const Setting<Owner>& row : settingsOf<Owner>())
+    {
+        SCOPED_TRACE(row.name);
+        ASSERT_EQ(otherValues.count(row.name), 1u);
+        const Result<SettingValue> value = row.read(otherValues.at(row.name), row.name);
+        ASSERT_TRUE(value) << value.error().message;
+        const osg::ref_ptr<TileLight> lighting = new TileLight(tile, before, SkyLight());
+        ASSERT_TRUE(lighting->update(state).ok());
+        const std::map<std::string, unsigned> ranBefore = runsOf(*lighting);
+        LightingSettings settings = before;
+        SkyLight sky;
+        changed(settings, sky, row, *value);
+        lighting->setSettings(settings);
+        lighting->setSky(sky);
+        while (lighting->isDirty(state.getContextID())) // bounces may follow in a second update
+            ASSERT_TRUE(lighting->update(state).ok());
+        const std::set<std::string> behind = stagesBehind(row.invalidates);
+        for (const auto& [stage, runs] : runsOf(*lighting))
+            if (ranBefore.count(stage) == 0 || runs > ranBefore.at(stage))
+            {
+                EXPECT_EQ(behind.count(stage), 1u) << stage;
+            }
+        const osg::ref_ptr<TileLight> fresh = new TileLight(tile, settings, sky);
+        ASSERT_TRUE(fresh->update(state).ok());
+        EXPECT_EQ(lighting->readShading(state).values(), fresh->readShading(state).values());
+        lighting->releaseGLObjects(&state);
+        fresh->releaseGLObjects(&state);
+    }
+}
+} // namespace
+
+TEST(TileCost, SettingsRunWhatTheTableSays)
+{
+    OTL_NEED_GL(context);
+    expectRowsRunWhatTheyInvalidate<LightingSettings>(
+        context->state(), [](LightingSettings& settings, SkyLight&, const auto& row,
+                             const SettingValue& value) { row.set(settings, value); });
+}
+
+TEST(TileCost, LightRunsWhatTheTableSays)
+{
+    OTL_NEED_GL(context);
+    expectRowsRunWhatTheyInvalidate<SkyLight>(
+        context->state(), [](LightingSettings&, SkyLight& sky, const auto& row,
+                             const SettingValue& value) { row.set(sky, value); });
 }

@@ -80,11 +80,11 @@ mutate near-row-crossing lib/horizon.glsl 's/max\(slope, atRow\)/slope/'
 mutate near-mirror passes/horizon_near.comp 's/drift < 0\.0 \? -1 : 1/1/'
 mutate near-step-length passes/horizon_near.comp 's/found\.slopes\[i\] \/ stepLength/found.slopes[i]/'
 mutate sweep-reach passes/horizon_sweep.comp 's/walked - reach - 1/walked - reach - 2/'
-mutate sweep-look passes/horizon_sweep.comp 's/look > 0 \? high : low/high/'
+mutate sweep-look passes/horizon_sweep.comp 's/line\.look > 0 \? high : low/high/'
 mutate sweep-exit passes/horizon_sweep.comp 's/, floor\(exit\)\);/, 1.0e9);/'
 mutate shade-half preamble.glsl 's/bits \+ 0x1000u/bits/'
 mutate sun-side lib/sky.glsl 's/place < real\(0\.0\) \? left : right/left/'
-mutate sweep-drift passes/horizon_sweep.comp 's/float turn = drift \* float\(look\)/float turn = drift/'
+mutate sweep-drift passes/horizon_sweep.comp 's/float turn = line\.drift \* float\(line\.look\)/float turn = line.drift/'
 mutate sweep-step-length passes/horizon_sweep.comp 's/slope \/ stepLength/slope/'
 mutate sweep-thinning passes/horizon_sweep.comp 's/hull\[i\] = hull\[2 \* i\]/hull[i] = hull[i]/'
 mutate sweep-overflow passes/horizon_sweep.comp 's/vertices > HULL_CAPACITY - CHUNK/false/'
@@ -95,7 +95,7 @@ mutate sun-edge-below-level lights/sun.glsl \
   's/max\(elevationOfCode\((.*)\), 0\.0\);/elevationOfCode(\1);/'
 mutate sun-behind lights/sun.glsl 's/max\(dot\(normal, sunDirection\), 0\.0\)/abs(dot(normal, sunDirection))/'
 mutate shade-void passes/shade.comp 's/if \(isVoid\(postHeight\(heights, post \+ frame\)\)\)/if (false)/'
-mutate compose-last-bounce passes/compose.comp 's/before\.rgb \+ light/light/' \
+mutate compose-last-bounce passes/compose.comp 's/light\.rgb \+ bounced/bounced/' \
   'gpu_tests:BounceClosedForm.*'
 
 # The walk along a ray and the gather of a slice: against the same functions on the CPU, which

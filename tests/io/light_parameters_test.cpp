@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
+#include <regex>
 #include <sstream>
 
 using namespace osgTerrainLight;
@@ -71,35 +73,107 @@ TEST(LightParameters, RefusesByNameAndLeavesTheRest)
     EXPECT_TRUE(light.settings == LightingSettings());
 }
 
-TEST(LightParameters, EveryRowIsDocumented)
+namespace
 {
-    const auto document = [](const char* name)
+/// Rows of a document's tables, by the name of their first cell without quotes.
+std::map<std::string, std::vector<std::string>> tableRows(const char* document)
+{
+    std::ifstream file(std::string(OTL_SOURCE_DIR "/docs/") + document);
+    std::map<std::string, std::vector<std::string>> rows;
+    for (std::string line; std::getline(file, line);)
     {
-        std::ifstream file(std::string(OTL_SOURCE_DIR "/docs/") + name);
-        std::stringstream text;
-        text << file.rdbuf();
-        return text.str();
-    };
-    const std::string earth = document("EARTH_FILE.md"), tool = document("TOOL.md");
-    ASSERT_FALSE(earth.empty() || tool.empty());
+        if (line.rfind("| `", 0) != 0)
+            continue;
+        std::vector<std::string> cells;
+        line = std::regex_replace(line, std::regex(R"(\\\|)"), "/"); // a quoted bar is no border
+        std::istringstream parts(line.substr(1));
+        for (std::string cell; std::getline(parts, cell, '|');)
+            cells.push_back(std::regex_replace(cell, std::regex("^ +| +$|`"), ""));
+        std::string name = cells.front().substr(0, cells.front().find_first_of(" ,"));
+        rows.emplace(name, cells); // the first one of that name: the others refer to it
+    }
+    return rows;
+}
+
+/// As documents write it.
+std::string typeset(std::string text)
+{
+    text = std::regex_replace(text, std::regex(R"(\.\.\.)"), "…");
+    text = std::regex_replace(text, std::regex(R"(e\+0?)"), "e");
+    text = std::regex_replace(text, std::regex("^(a number, |a whole number, |a )"), "");
+    return std::regex_replace(text, std::regex(R"((^|[ ,])-(?=[0-9]))"), "$1−");
+}
+
+std::string typesetDefault(const std::string& text)
+{
+    std::smatch same;
+    if (std::regex_match(text, same, std::regex(R"(([^,]+),\1,\1)")))
+        return typeset(same[1]); // one number stands for three
+    return text.empty() ? "none" : typeset(text);
+}
+
+/// The range or the names alone, without what kind of number it is.
+std::string rangeOf(const SettingRow& row)
+{
+    return std::regex_replace(typeset(row.needs()),
+                              std::regex("^(one number or three|multiple of 4|power of 2), "), "");
+}
+
+struct Documented
+{
+    const SettingRow* row;
+    std::string defaultText;
+};
+
+std::vector<Documented> allRows()
+{
+    std::vector<Documented> rows;
+    for (const Setting<LightingSettings>& setting : settingsOf<LightingSettings>())
+        rows.push_back({&setting, setting.defaultText()});
+    for (const Setting<SkyLight>& setting : settingsOf<SkyLight>())
+        rows.push_back({&setting, setting.defaultText()});
+    for (const SettingRow& row : budgetRows())
+        rows.push_back({&row, ""});
+    return rows;
+}
+} // namespace
+
+// Values and default of the table in EARTH_FILE.md are those of the table of settings, to the
+// letter.
+TEST(LightParameters, EveryKeyIsDocumented)
+{
+    const auto rows = tableRows("EARTH_FILE.md");
     for (const LightKey& key : lightKeys())
-        EXPECT_NE(earth.find("`" + key.key() + "`"), std::string::npos) << key.key();
-    const auto expectOption = [&](const SettingRow& row)
+        EXPECT_EQ(rows.count(key.key()), 1u) << key.key();
+    for (const auto& [row, defaultText] : allRows())
+    {
+        if (!row->isKey)
+            continue;
+        SCOPED_TRACE(row->name);
+        ASSERT_EQ(rows.count(row->key()), 1u);
+        const std::vector<std::string>& cells = rows.at(row->key());
+        ASSERT_GE(cells.size(), 4u);
+        EXPECT_EQ(cells[1], typeset(row->needs()));
+        EXPECT_EQ(cells[2], typesetDefault(defaultText));
+    }
+}
+
+// Every option of the tool stands in TOOL.md with its default and its range.
+TEST(LightParameters, EveryOptionIsDocumented)
+{
+    const auto rows = tableRows("TOOL.md");
+    for (const auto& [row, defaultText] : allRows())
     {
         // The sun's place is one option, and key lights are given one by one.
-        const std::string option = row.topic == Topic::KeyLights ? "key-light"
-                                   : row.name == "sun-azimuth" || row.name == "sun-elevation"
-                                       ? "sun"
-                                       : row.name;
-        if (row.isOption)
-        {
-            EXPECT_NE(tool.find("`--" + option), std::string::npos) << row.name;
-        }
-    };
-    for (const Setting<LightingSettings>& setting : settingsOf<LightingSettings>())
-        expectOption(setting);
-    for (const Setting<SkyLight>& setting : settingsOf<SkyLight>())
-        expectOption(setting);
-    for (const SettingRow& row : budgetRows())
-        expectOption(row);
+        if (!row->isOption || row->topic == Topic::KeyLights || row->name == "sun-azimuth" ||
+            row->name == "sun-elevation")
+            continue;
+        SCOPED_TRACE(row->name);
+        ASSERT_EQ(rows.count("--" + row->name), 1u);
+        const std::vector<std::string>& cells = rows.at("--" + row->name);
+        ASSERT_GE(cells.size(), 3u);
+        EXPECT_EQ(cells[1], row->topic == Topic::Budget ? "" : typesetDefault(defaultText));
+        EXPECT_NE(cells[2].find(rangeOf(*row)), std::string::npos)
+            << cells[2] << "\nneeds " << rangeOf(*row);
+    }
 }

@@ -37,17 +37,19 @@ struct ValueForm
 enum class Invalidation : unsigned
 {
     Nothing = 0,
-    Display = 1u << 0,  ///< what host shaders are told: no light is computed
-    Heights = 1u << 1,  ///< the shape of the ground
-    Horizons = 1u << 2, ///< all horizons, and what is made from them
-    Method = 1u << 3,   ///< everything: light is computed in another way
-    Gather = 1u << 4,   ///< where bounces, and direct light by Legendre, are gathered
-    Bounces = 1u << 5,  ///< how many, in which updates, and what the ground sends
-    Gloss = 1u << 6,
-    SunPlace = 1u << 7, ///< horizons towards the sun; a clear sky's shape follows it
-    SkyShape = 1u << 8, ///< how the sky is spread over the directions
-    Keys = 1u << 9,     ///< places or radiance of key lights
-    Light = 1u << 10    ///< how bright a light is, or whether it is on
+    Display = 1u << 0,   ///< what host shaders are told: no light is computed
+    Heights = 1u << 1,   ///< the shape of the ground
+    Horizons = 1u << 2,  ///< all horizons, and what is made from them
+    Method = 1u << 3,    ///< everything: light is computed in another way
+    Transport = 1u << 4, ///< which work light needs between slopes
+    Pace = 1u << 5,      ///< in which updates bounces are computed
+    Albedo = 1u << 6,
+    Gloss = 1u << 7,         ///< of the ground
+    GlossTransfer = 1u << 8, ///< which work light needs between glossy slopes
+    SunPlace = 1u << 9,      ///< horizons towards the sun
+    SkyShape = 1u << 10,     ///< what the sky sends from where, but for a clear sky's sun
+    Keys = 1u << 11,         ///< key lights
+    Light = 1u << 12         ///< anything of a light
 };
 
 constexpr Invalidation operator|(Invalidation a, Invalidation b)

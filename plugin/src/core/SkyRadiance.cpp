@@ -100,21 +100,6 @@ bool skyHasTable(const SkyLight& sky)
            (sky.environment || !sky.skyHarmonics.empty() || sky.skyModel != SkyModel::Uniform);
 }
 
-bool sameSky(const SkyLight& a, const SkyLight& b)
-{
-    if (a.environment || b.environment)
-        return a.environment == b.environment && a.environmentHeading == b.environmentHeading &&
-               a.environmentGain == b.environmentGain;
-    if (!a.skyHarmonics.empty() || !b.skyHarmonics.empty())
-        return a.skyHarmonics == b.skyHarmonics;
-    if (a.skyModel != b.skyModel)
-        return false;
-    if (a.skyModel != SkyModel::Clear)
-        return a.skyRadiance == b.skyRadiance;
-    return a.turbidity == b.turbidity && a.sunAzimuth == b.sunAzimuth &&
-           a.sunElevation == b.sunElevation && a.sunIrradiance == b.sunIrradiance;
-}
-
 std::array<double, 3> modelRadiance(const SkyLight& sky, const std::array<double, 3>& direction)
 {
     return radianceOf(sky)(direction);

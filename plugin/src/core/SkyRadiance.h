@@ -11,9 +11,6 @@ namespace osgTerrainLight
 /// Whether the sky's radiance depends on direction: it then needs a table per slice.
 bool skyHasTable(const SkyLight& sky);
 
-/// Whether two skies send the same from everywhere; the sun counts where it makes the sky.
-bool sameSky(const SkyLight& a, const SkyLight& b);
-
 /// The sky of SkyLight::skyModel, environment and harmonics left aside, towards a unit direction
 /// (x east, y north, z up) with z ≥ 0; the sun's disc is not in it. In double, for tests and few
 /// directions; sky_model.comp has the same functions.

@@ -252,6 +252,8 @@ void GpuPass::releaseGLObjects(osg::State* state) const
         _program->releaseGLObjects(state);
     for (const auto& [binding, block] : _blocks)
         block->getBufferData()->releaseGLObjects(state);
+    for (const auto& [binding, storage] : _storage)
+        storage->getBufferData()->releaseGLObjects(state);
 }
 
 void GpuPass::resizeGLObjectBuffers(unsigned size)
@@ -260,6 +262,8 @@ void GpuPass::resizeGLObjectBuffers(unsigned size)
         _program->resizeGLObjectBuffers(size);
     for (const auto& [binding, block] : _blocks)
         block->getBufferData()->resizeGLObjectBuffers(size);
+    for (const auto& [binding, storage] : _storage)
+        storage->getBufferData()->resizeGLObjectBuffers(size);
 }
 
 void readStorage(osg::State& state, osg::Array& values)

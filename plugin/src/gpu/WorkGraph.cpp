@@ -229,7 +229,10 @@ Status WorkGraph::run(osg::State& state, const std::function<bool()>& mayContinu
         if (ran && mayContinue && !mayContinue())
             return Nothing{};
         ran = true;
-        node->_exists = true;
+        {
+            Lock lock(_mutex);
+            node->_exists = true;
+        }
         for (Resource* owned : node->resources())
             owned->make();
         for (const auto& written : node->_writes)

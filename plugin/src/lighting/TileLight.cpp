@@ -1,7 +1,7 @@
 #include "lighting/TileLight.h"
 
 #include "core/KeySlices.h"
-#include "core/SkyRadiance.h"
+#include "core/SettingsTable.h"
 #include "gpu/GlConstants.h"
 #include "lighting/Readback.h"
 #include "lighting/methods/Legendre.h"
@@ -31,24 +31,11 @@ unsigned nextTurn()
     return next++;
 }
 
-// What nodes are made for: where it changes they are made anew.
-
-auto surfaceKey(const TileValues& values)
-{
-    return std::make_tuple(values.bySlices(), values.settings.bodyRadius, values.posts.valid());
-}
-
-auto methodKey(const TileValues& values)
-{
-    const LightingSettings& settings = values.settings;
-    return std::make_tuple(settings.bounceMethod, settings.azimuths, settings.quality);
-}
-
+/// What the nodes of light transport are made for besides settings that invalidate
+/// Invalidation::Transport: where it changes they are made anew.
 auto transportKey(const TileValues& values, int width, int height)
 {
-    const LightingSettings& settings = values.settings;
-    return std::make_tuple(settings.subsampling, values.bounces(width, height), values.isGlossy(),
-                           settings.glossTransfer, settings.glossViewer, values.isPaced());
+    return std::make_tuple(values.bounces(width, height), values.isGlossy(), values.isPaced());
 }
 } // namespace
 
@@ -181,17 +168,22 @@ Status TileLight::apply()
         return _declared;
     const TileValues before = *_inputs;
     static_cast<TileValues&>(*_inputs) = _latest;
-    followValues(before);
+    const Invalidation stale =
+        changed(before.settings, _inputs->settings) | changed(before.sky, _inputs->sky);
+    followValues(stale);
     const bool recompute = _changes.recompute;
     _changes = Changes();
     const bool isNew =
-        surfaceKey(before) != surfaceKey(*_inputs) || methodKey(before) != methodKey(*_inputs);
+        meets(stale, Invalidation::Heights | Invalidation::Horizons | Invalidation::Method) ||
+        before.posts.valid() != _inputs->posts.valid();
     if (isNew)
         declareMethod();
     else
-        _method->follow(before.sky);
-    const bool isOther = isNew || transportKey(before, width(), height()) !=
-                                      transportKey(*_inputs, width(), height());
+        _method->follow(stale);
+    const bool isOther =
+        isNew || meets(stale, Invalidation::Transport) ||
+        (_inputs->isGlossy() && meets(stale, Invalidation::GlossTransfer)) ||
+        transportKey(before, width(), height()) != transportKey(*_inputs, width(), height());
     if (isOther)
         declareTransport();
     if (isOther || before.probes.empty() != _inputs->probes.empty())
@@ -202,19 +194,18 @@ Status TileLight::apply()
 }
 
 /// Touches the values that have changed.
-void TileLight::followValues(const TileValues& before)
+void TileLight::followValues(Invalidation stale)
 {
+    using I = Invalidation;
     const TileInputs& now = *_inputs;
-    const LightingSettings& settings = now.settings;
     const auto renew = [](Resource& texture)
     {
         texture.drop();
         texture.touch();
     };
-    if (_changes.albedo || settings.albedo != before.settings.albedo)
+    if (_changes.albedo || meets(stale, I::Albedo))
         renew(*now.albedoTexture);
-    if (_changes.gloss || settings.gloss != before.settings.gloss ||
-        settings.glossExponent != before.settings.glossExponent)
+    if (_changes.gloss || meets(stale, I::Gloss))
         renew(*now.materialTexture);
     if (_changes.posts)
         now.postsValue->touch();
@@ -222,15 +213,19 @@ void TileLight::followValues(const TileValues& before)
         now.probePlaces->touch();
     if (_changes.touched)
         now.settingsValue->touch();
-    if (_changes.sky || _changes.touched)
+    const bool isLitAnew = meets(stale, I::Light);
+    if (isLitAnew || _changes.touched)
         now.light->touch();
-    if (!sameSky(now.sky, before.sky))
+    // A clear sky follows its sun.
+    const bool isClear = now.sky.skyModel == SkyModel::Clear;
+    if (meets(stale, I::SkyShape) || (isClear && isLitAnew))
         now.skyValue->touch();
-    if (_changes.sky)
+    if (meets(stale, I::SunPlace))
+        now.sunPlace->touch();
+    if (isLitAnew)
         ++_lightChanges;
-    const unsigned interval = static_cast<unsigned>(settings.bounceInterval);
-    if (settings.bounceInterval != before.settings.bounceInterval ||
-        (_changes.sky && (_lightChanges + _turn) % interval == 0))
+    const unsigned interval = static_cast<unsigned>(now.settings.bounceInterval);
+    if (meets(stale, I::Pace) || (isLitAnew && (_lightChanges + _turn) % interval == 0))
         now.bouncesDue->touch();
 }
 
@@ -238,7 +233,8 @@ void TileLight::followValues(const TileValues& before)
 void TileLight::declareMethod()
 {
     const TileInputs& now = *_inputs;
-    const int frame = now.bySlices() ? int(Slices::frame) : int(Legendre::frame);
+    const bool bySlices = now.bySlices();
+    const int frame = bySlices ? int(Slices::frame) : int(Legendre::frame);
     const double radius = now.settings.bodyRadius;
     const bool changing = now.posts.valid();
     if (!_surface || frame != _surface->frame() || radius != _surface->bodyRadius() ||
@@ -249,7 +245,7 @@ void TileLight::declareMethod()
     }
     _probe = nullptr;
     _table = new SkyTableNode(now, now.settings.azimuths);
-    if (now.bySlices())
+    if (bySlices)
         _method = new Slices(now, *_surface, _table);
     else
         _method = new Legendre(now, *_surface, _table);
@@ -263,17 +259,16 @@ void TileLight::declareTransport()
 {
     _transport.clear();
     const int bounces = _inputs->bounces(width(), height());
-    // Without bounces direct light is the shading.
-    osg::ref_ptr<Resource> direct = _shading;
+    _direct = _shading;
     if (bounces > 0)
-        direct = new Resource("direct light", _surface->perPost(GL_RGBA16F_ARB));
-    _method->declareDirect(_transport, direct, bounces, _glossLight);
+        _direct = new Resource("direct light", _surface->perPost(GL_RGBA16F_ARB));
+    _method->declareDirect(_transport, _direct, bounces, _glossLight);
     _bounces.clear();
     for (int bounce = 0; bounce < bounces; ++bounce)
         _bounces.push_back(_method->declareBounce(_transport));
     if (bounces > 0)
-        _transport.emplace_back(new ComposeNode(*_surface, direct, _bounces, _shading,
-                                                !_inputs->bySlices() || _inputs->isGlossy()));
+        _transport.emplace_back(
+            new ComposeNode(*_surface, _direct, _bounces, _shading, _method->mayUndershoot()));
 }
 
 /// All that there are now, in the order in which they run.
@@ -297,12 +292,21 @@ WorkGraph::Nodes TileLight::nodes()
 Status TileLight::update(osg::State& state, const std::function<bool()>& mayContinue)
 {
     Lock computing(_computing);
-    if (Status applied = apply(); !applied)
+    const unsigned context = state.getContextID();
+    const bool goesOn = _unfinished.erase(context) > 0;
+    if (Status applied = goesOn ? _declared : apply(); !applied)
         return applied;
     // Light stands still: bounces follow it at last.
-    if (_graph.isStale(state.getContextID()))
-        _inputs->bouncesDue->touch(state.getContextID());
-    return _graph.run(state, mayContinue);
+    if (_graph.isStale(context))
+        _inputs->bouncesDue->touch(context);
+    return _graph.run(state,
+                      [&]
+                      {
+                          const bool continues = !mayContinue || mayContinue();
+                          if (!continues)
+                              _unfinished.insert(context);
+                          return continues;
+                      });
 }
 
 bool TileLight::isDirty(unsigned contextID) const
@@ -319,7 +323,7 @@ osg::Texture2D* TileLight::shading() const
 osg::ref_ptr<osg::Texture2DArray> TileLight::glossLight() const
 {
     Lock lock(_mutex);
-    return _latest.isGlossy() ? static_cast<osg::Texture2DArray*>(_glossLight->make()) : nullptr;
+    return _inputs->isGlossy() ? static_cast<osg::Texture2DArray*>(_glossLight->make()) : nullptr;
 }
 
 std::vector<float> TileLight::readGlossLight(osg::State& state) const
@@ -330,6 +334,11 @@ std::vector<float> TileLight::readGlossLight(osg::State& state) const
 Raster<osg::Vec4f> TileLight::readShading(osg::State& state) const
 {
     return readColours(state, *_shading);
+}
+
+Raster<osg::Vec4f> TileLight::readDirect(osg::State& state) const
+{
+    return readColours(state, *_direct);
 }
 
 Raster<osg::Vec4f> TileLight::readBounce(osg::State& state, int bounce) const
@@ -373,6 +382,10 @@ std::size_t TileLight::bytes() const
 void TileLight::releaseGLObjects(osg::State* state) const
 {
     Lock computing(_computing);
+    if (state)
+        _unfinished.erase(state->getContextID());
+    else
+        _unfinished.clear();
     _surface->releaseGLObjects(state);
     _graph.releaseGLObjects(state);
 }

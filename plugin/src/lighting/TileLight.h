@@ -7,6 +7,7 @@
 
 #include "core/Raster.h"
 #include "core/Result.h"
+#include "core/SettingRow.h"
 #include "gpu/HeightTexture.h"
 #include "gpu/WorkGraph.h"
 #include "lighting/TileInputs.h"
@@ -22,6 +23,7 @@
 
 #include <array>
 #include <functional>
+#include <set>
 #include <vector>
 
 namespace osgTerrainLight
@@ -87,7 +89,9 @@ public:
     void recompute();
 
     /// Runs the stages whose inputs have changed in this context. mayContinue is asked between two
-    /// of them: where it returns false the tile stays dirty, and the next update goes on. With a
+    /// of them: where it returns false the tile stays dirty, and the next update goes on with the
+    /// same values, before it takes up what setters have set since: where light changes in every
+    /// frame and a budget is short, it would come to no end otherwise. With a
     /// bounceInterval above 1 the tile may be dirty afterwards: the next update, if nothing changes
     /// before, mends that.
     Status update(osg::State& state, const std::function<bool()>& mayContinue = {});
@@ -98,13 +102,16 @@ public:
     osg::Texture2D* shading() const;
 
     /// RGBA16F, a texel per post, GlossWork::layers layers: light sent by gloss (ShadingTexture.h),
-    /// without that of the sun. Null where nothing is glossy or there is no light.
+    /// without that of the sun, as of the last update. Null where nothing is glossy or there is no
+    /// light.
     osg::ref_ptr<osg::Texture2DArray> glossLight() const;
 
     /// Read-back, all in tile order (row 0 south). Call after update().
     /// Of glossLight(), layer after layer, four values per post.
     std::vector<float> readGlossLight(osg::State& state) const;
     Raster<osg::Vec4f> readShading(osg::State& state) const;
+    /// Of direct light alone, as readShading.
+    Raster<osg::Vec4f> readDirect(osg::State& state) const;
     Raster<float>
     readSkyView(osg::State& state) const; ///< NaN where void; as readHorizons, the sky uniform
     /// Precondition: a sky is on, and the method is Slices.
@@ -126,7 +133,7 @@ private:
     ~TileLight() override = default;
 
     Status apply();
-    void followValues(const TileValues& before);
+    void followValues(Invalidation stale);
     void declareMethod();
     void declareTransport();
     WorkGraph::Nodes nodes();
@@ -147,7 +154,8 @@ private:
     mutable OpenThreads::Mutex _mutex;     ///< of _latest, _changes, and of writing _inputs
     TileValues _latest;
     Changes _changes;
-    osg::ref_ptr<HeightTexture> _ownPosts; ///< of setHeights()
+    mutable std::set<unsigned> _unfinished; ///< contexts of stopped updates; guarded by _computing
+    osg::ref_ptr<HeightTexture> _ownPosts;  ///< of setHeights()
 
     osg::ref_ptr<TileInputs> _inputs; ///< what the nodes are for
     osg::ref_ptr<TileSurface> _surface;
@@ -157,6 +165,7 @@ private:
     WorkGraph::Nodes _transport;
     osg::ref_ptr<Node> _probe; ///< null where there are no probes
     osg::ref_ptr<Resource> _shading, _glossLight;
+    osg::ref_ptr<Resource> _direct;               ///< light; the shading where there are no bounces
     std::vector<osg::ref_ptr<Resource>> _bounces; ///< light of each
     mutable WorkGraph _graph;
     Status _declared = Nothing{};

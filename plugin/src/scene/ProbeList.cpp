@@ -60,7 +60,7 @@ bool ProbeList::follow(const TileRegistry& registry)
             _places[entry.lit].push_back(placeOf(*entry.probe, entry.lit->lighting().tile()));
     for (auto i = _places.begin(); i != _places.end();)
     {
-        i->first->setProbes(i->second);
+        i->first->lighting().setProbes(i->second);
         i = i->second.empty() ? _places.erase(i) : std::next(i);
     }
     return true;

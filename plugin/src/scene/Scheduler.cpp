@@ -195,7 +195,7 @@ bool Scheduler::update(LitTile& tile, osg::State& state, WorkClock& clock, doubl
     if (stopped)
         return false;
     const double posts = double(tile.lighting().width()) * tile.lighting().height();
-    const osg::ref_ptr<osg::Texture2DArray> gloss = tile.glossLight();
+    const osg::ref_ptr<osg::Texture2DArray> gloss = tile.lighting().glossLight();
     const Status updated = tile.update(state, light,
                                        [&]
                                        {
@@ -203,7 +203,7 @@ bool Scheduler::update(LitTile& tile, osg::State& state, WorkClock& clock, doubl
                                            stopped = isSpent();
                                            return !stopped;
                                        });
-    if (tile.glossLight() != gloss)
+    if (tile.lighting().glossLight() != gloss)
         ++_glossRevision;
     if (!updated)
     {

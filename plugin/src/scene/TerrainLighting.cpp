@@ -180,7 +180,7 @@ void TerrainLighting::Implementation::followShaders()
     forEachLit(
         [](LitTile& tile)
         {
-            tile.recompute();
+            tile.lighting().recompute();
             tile.retry();
         });
     scheduler->touch();
@@ -495,7 +495,7 @@ bool TerrainLighting::setTileHeights(const TileHandle& handle, const std::vector
              "height per post");
         return false;
     }
-    tile->lit->setHeights(heights);
+    tile->lit->lighting().setHeights(heights);
     _implementation->scheduler->touch();
     return true;
 }
@@ -515,7 +515,7 @@ bool TerrainLighting::setTileAlbedo(const TileHandle& handle, const std::vector<
              "post");
         return false;
     }
-    tile->lit->setAlbedo(rasterOf(*tile, albedo));
+    tile->lit->lighting().setAlbedo(rasterOf(*tile, albedo));
     _implementation->scheduler->touch();
     return true;
 }
@@ -541,7 +541,7 @@ bool TerrainLighting::setTileGloss(const TileHandle& handle,
         return false;
     }
     tile->hasGloss = !gloss.empty();
-    tile->lit->setGloss(rasterOf(*tile, gloss));
+    tile->lit->lighting().setGloss(rasterOf(*tile, gloss));
     here.scheduler->touch();
     here.followGloss();
     return true;

@@ -129,12 +129,12 @@ void TerrainTiles::look(SceneTile& tile, const TileFinder& finder)
     const int height = lit.lighting().height();
     if (tile.glossPicture.follow(pictureOf(terrain, glossLayer)))
     {
-        lit.setGloss(readTerrainGloss(terrain, glossLayer, width, height));
+        lit.lighting().setGloss(readTerrainGloss(terrain, glossLayer, width, height));
         _scheduler->touch();
     }
     if (albedoNeeded && tile.colours.follow(pictureOf(terrain, 0)))
     {
-        lit.setAlbedo(readTerrainAlbedo(terrain, width, height));
+        lit.lighting().setAlbedo(readTerrainAlbedo(terrain, width, height));
         _scheduler->touch();
     }
     if (tile.binding && tile.byTexCoord) // the technique makes new geometry for new neighbours

@@ -118,7 +118,7 @@ void TileBinder::followGloss(SceneTile& tile)
 {
     if (!tile.binding)
         return;
-    const osg::ref_ptr<osg::Texture2DArray> light = tile.lit->glossLight();
+    const osg::ref_ptr<osg::Texture2DArray> light = tile.lit->lighting().glossLight();
     if (light == tile.binding->gloss())
         return;
     tile.binding->setGloss(light, units.gloss);
@@ -139,9 +139,9 @@ void TileBinder::followHeights(SceneTile& tile)
         return;
     tile.heightRevision = terrain.getHeightRevision();
     if (tile.heights == terrain.getHeightTexture())
-        tile.lit->touchHeights();
+        tile.lit->lighting().touchHeights();
     else
-        tile.lit->setHeightTexture(terrain.getHeightTexture());
+        tile.lit->lighting().setHeightTexture(terrain.getHeightTexture());
     tile.heights = terrain.getHeightTexture();
     _scheduler->touch();
 }

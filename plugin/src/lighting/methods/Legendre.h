@@ -20,6 +20,7 @@ public:
     /// The table, for probes.
     WorkGraph::Nodes sources() const override { return {_table}; }
     bool readsSkyTable() const override { return false; }
+    bool mayUndershoot() const override { return true; }
     void declareDirect(WorkGraph::Nodes& nodes, Resource* direct, int bounces,
                        Resource* lightOfGloss) override;
     osg::ref_ptr<Resource> declareBounce(WorkGraph::Nodes& nodes) override;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/SettingRow.h"
 #include "gpu/WorkGraph.h"
 #include "lighting/TileInputs.h"
 #include "lighting/TileSurface.h"
@@ -26,6 +27,8 @@ public:
     /// Null where the method has none.
     virtual Resource* skyView() const { return nullptr; }
     virtual bool readsSkyTable() const = 0;
+    /// Whether the light of its bounces may lie below 0, as that of cut series does.
+    virtual bool mayUndershoot() const = 0;
 
     /// Adds nodes that write direct light (RGBA16F, a texel per post), with which `bounces` bounces
     /// are to follow. light of gloss: written where ground is glossy.
@@ -35,8 +38,8 @@ public:
     /// irradiance / π, a = 1; 0 where void.
     virtual osg::ref_ptr<Resource> declareBounce(WorkGraph::Nodes& nodes) = 0;
 
-    /// The tile's light was `before`.
-    virtual void follow(const SkyLight&) {}
+    /// Settings or light have changed, which makes this stale.
+    virtual void follow(Invalidation) {}
 
 protected:
     ~Method() override = default;

@@ -27,10 +27,10 @@ std::vector<HorizonNode*> Slices::horizons() const
     return {&_sky->horizon(), &_sun->horizon(), &_keys->horizon()};
 }
 
-void Slices::follow(const SkyLight& before)
+void Slices::follow(Invalidation stale)
 {
     for (const auto& light : _lights)
-        light->follow(before);
+        light->follow(stale);
 }
 
 void Slices::declareDirect(WorkGraph::Nodes& nodes, Resource* direct, int bounces,

@@ -25,10 +25,11 @@ public:
     std::vector<HorizonNode*> horizons() const override;
     Resource* skyView() const override { return _sky->view(); }
     bool readsSkyTable() const override { return true; }
+    bool mayUndershoot() const override { return _gloss.valid(); }
     void declareDirect(WorkGraph::Nodes& nodes, Resource* direct, int bounces,
                        Resource* lightOfGloss) override;
     osg::ref_ptr<Resource> declareBounce(WorkGraph::Nodes& nodes) override;
-    void follow(const SkyLight& before) override;
+    void follow(Invalidation stale) override;
 
 private:
     ~Slices() override = default;

@@ -13,9 +13,9 @@ namespace osgTerrainLight
 class ComposeNode : public Node
 {
 public:
-    /// All RGBA16F, a texel per post. The node owns the shading. rings: bounces are in harmonics of
-    /// order 4, which may fall below 0 where no radiance does; the sums are then kept at 0 or
-    /// above.
+    /// All RGBA16F, a texel per post; 1 … 8 bounces. The node owns the shading. rings: bounces are
+    /// in harmonics of order 4, which may fall below 0 where no radiance does; the sums are then
+    /// kept at 0 or above.
     ComposeNode(const TileSurface& surface, Resource* direct,
                 const std::vector<osg::ref_ptr<Resource>>& bounces, Resource* shading, bool rings);
 
@@ -25,7 +25,6 @@ private:
     ~ComposeNode() override = default;
 
     osg::ref_ptr<const TileSurface> _surface;
-    std::vector<osg::ref_ptr<Resource>> _bounces;
     GpuPass* _pass;
 };
 

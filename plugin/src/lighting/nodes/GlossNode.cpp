@@ -98,8 +98,8 @@ GlossNode::GlossNode(const TileInputs& inputs, GlossWork* work, const LightSourc
 {
     reads(inputs.light);
     reads(inputs.materialTexture);
-    reads(horizon);
-    reads(direct);
+    reads(horizon, work->_surface->perPost(GL_R16, inputs.settings.azimuths));
+    reads(direct, work->_surface->perPost(GL_RGBA16F_ARB));
     for (const auto& source : lights)
         for (Resource* value : source->values())
             reads(value);

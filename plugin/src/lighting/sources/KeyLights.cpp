@@ -18,13 +18,23 @@ int layersFor(const TileInputs& inputs)
     const auto count = directionsOf(keySlices(inputs.sky, inputs.settings.azimuths)).size();
     return std::max(1, static_cast<int>(count)); // an array without layers is none
 }
+
+/// What has horizons of its own is the slices' places; their light is read when it is needed.
+std::vector<std::array<double, 3>> placesOf(const TileInputs& inputs)
+{
+    std::vector<std::array<double, 3>> found;
+    for (const KeySlices& key : keySlices(inputs.sky, inputs.settings.azimuths))
+        found.push_back({key.first, key.width, double(key.count)});
+    return found;
+}
 } // namespace
 
 KeyLights::KeyLights(const TileInputs& inputs, const TileSurface& surface)
     : _inputs(&inputs),
       _horizon(new HorizonNode(
           "key", surface, HorizonScheme::of(inputs.settings.quality), layersFor(inputs),
-          [in = _inputs] { return directionsOf(keySlices(in->sky, in->settings.azimuths)); }))
+          [in = _inputs] { return directionsOf(keySlices(in->sky, in->settings.azimuths)); })),
+      _places(placesOf(inputs))
 {
     _horizon->follows(inputs.settingsValue);
     _horizon->follows(inputs.keyPlaces);
@@ -60,18 +70,14 @@ void KeyLights::bind(GpuPass& pass, std::vector<std::string>& defines) const
     pass.set("keyCount", static_cast<int>(keys.size()));
 }
 
-void KeyLights::follow(const SkyLight& before)
+void KeyLights::follow(Invalidation stale)
 {
-    // What has horizons of its own is the slices' places; their light is read when it is needed.
-    const auto places = [this](const SkyLight& light)
-    {
-        std::vector<std::array<double, 3>> found;
-        for (const KeySlices& key : keySlices(light, _inputs->settings.azimuths))
-            found.push_back({key.first, key.width, double(key.count)});
-        return found;
-    };
-    if (places(before) == places(_inputs->sky))
+    if (!meets(stale, Invalidation::Keys))
         return;
+    const std::vector<std::array<double, 3>> places = placesOf(*_inputs);
+    if (places == _places)
+        return;
+    _places = places;
     _horizon->setDirectionCount(layersFor(*_inputs));
     _inputs->keyPlaces->touch();
 }

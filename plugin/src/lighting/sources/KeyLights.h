@@ -5,6 +5,9 @@
 #include "lighting/nodes/HorizonNode.h"
 #include "lighting/sources/LightSource.h"
 
+#include <array>
+#include <vector>
+
 namespace osgTerrainLight
 {
 
@@ -18,7 +21,7 @@ public:
     std::vector<Resource*> values() const override { return {_horizon->horizon()}; }
     /// keyHorizon, keyPlaces, keyRadiances and keyCount (KEY_LIGHTS).
     void bind(GpuPass& pass, std::vector<std::string>& defines) const override;
-    void follow(const SkyLight& before) override;
+    void follow(Invalidation stale) override;
 
     HorizonNode& horizon() const { return *_horizon; }
 
@@ -27,6 +30,7 @@ private:
 
     osg::ref_ptr<const TileInputs> _inputs;
     osg::ref_ptr<HorizonNode> _horizon;
+    std::vector<std::array<double, 3>> _places; ///< of slices: first azimuth, width, count
 };
 
 } // namespace osgTerrainLight

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <osgTerrainLight/SkyLight.h>
-
+#include "core/SettingRow.h"
 #include "gpu/WorkGraph.h"
 
 #include <osg/Referenced>
@@ -25,8 +24,8 @@ public:
     virtual void bind(GpuPass& pass, std::vector<std::string>& defines) const = 0;
     /// Whether a cell's mean light is not enough for what sees the cell near.
     virtual bool variesInCells() const { return false; }
-    /// The tile's light was `before`: touches what has changed.
-    virtual void follow(const SkyLight& before) = 0;
+    /// Settings or light have changed, which makes this stale: adapts the nodes.
+    virtual void follow(Invalidation) {}
 
 protected:
     ~LightSource() override = default;

@@ -30,7 +30,7 @@ void Sky::bind(GpuPass& pass, std::vector<std::string>& defines) const
     pass.set("hasSky", _inputs->hasSky());
 }
 
-void Sky::follow(const SkyLight&)
+void Sky::follow(Invalidation)
 {
     _view->followFormat();
 }

@@ -20,7 +20,7 @@ public:
     std::vector<Resource*> values() const override { return {_table->table()}; }
     /// skyTable (SKY_TABLE), skyRadiance and hasSky.
     void bind(GpuPass& pass, std::vector<std::string>& defines) const override;
-    void follow(const SkyLight& before) override;
+    void follow(Invalidation stale) override;
 
     HorizonNode& horizon() const { return *_horizon; }
     /// Sky-view factor, or light of a sky with a table.

@@ -57,12 +57,4 @@ void Sun::bind(GpuPass& pass, std::vector<std::string>& defines) const
     pass.set("sunRadius", static_cast<float>(sky.sunAngularRadius * radiansPerDegree));
 }
 
-void Sun::follow(const SkyLight& before)
-{
-    const SkyLight& sky = _inputs->sky;
-    if (sky.sunAzimuth != before.sunAzimuth || sky.sunElevation != before.sunElevation ||
-        sky.sunAngularRadius != before.sunAngularRadius)
-        _inputs->sunPlace->touch();
-}
-
 } // namespace osgTerrainLight

@@ -25,7 +25,6 @@ public:
     /// sunHorizon, sunIrradiance, sunDirection, sunElevation and sunRadius (SUN), or sunOff.
     void bind(GpuPass& pass, std::vector<std::string>& defines) const override;
     bool variesInCells() const override { return true; } // shadows have edges
-    void follow(const SkyLight& before) override;
 
     HorizonNode& horizon() const { return *_horizon; }
 
