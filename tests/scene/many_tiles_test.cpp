@@ -267,11 +267,11 @@ TEST(Tiles, SettersDoNotWaitForADispatch)
                                           sky.sunAzimuth = 10.0 * asked;
                                           scheduler->setSky(sky);
                                           scheduler->setSettings(LightingSettings());
-                                          tile->setHeights(std::vector<float>(81, 1.0f));
-                                          tile->setAlbedo({});
-                                          tile->setGloss({});
-                                          tile->setProbes({});
-                                          tile->glossLight();
+                                          tile->lighting().setHeights(std::vector<float>(81, 1.0f));
+                                          tile->lighting().setAlbedo({});
+                                          tile->lighting().setGloss({});
+                                          tile->lighting().setProbes({});
+                                          tile->lighting().glossLight();
                                           tile->state();
                                       });
             // Where one waited it would come back only after this.
