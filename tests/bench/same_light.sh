@@ -182,7 +182,7 @@ shade voids-legendre voids.tif "${sun[@]}" --bounces 1 --bounce-method legendre
 shade utm utm.tif --time 2024-06-21T15:00Z --sky clear --bounces 1
 shade degrees degrees.tif "${sun[@]}" --bounces 2
 shade degrees-subsampled degrees.tif "${sun[@]}" --bounces 1 --subsampling 2
-shade curved fractal.tif "${sun[@]}" --body-radius 20000 --bounces 1
+shade curved fractal.tif "${sun[@]}" --body-radius 60000 --bounces 1
 for quality in draft best; do
   shade "$quality" crater.tif "${sun[@]}" --quality "$quality" --bounces 1
 done
