@@ -109,6 +109,7 @@ TEST(EarthFiles, NamesInAnyCaseAndFlagsAsOsgEarthReadsThem)
         {"<GDALELEVATION><Url>a.tif</Url></GDALELEVATION>", true},
         {"<Elevation Driver='Gdal' url='a.tif'/>", true},
         {"<HeightField driver='gdal' url='a.tif'/>", true},
+        {"<elevation><Driver> GDAL </Driver><url><![CDATA[a.tif]]></url></elevation>", true},
         {"<GDALElevation url='a.tif' open='yes'/>", true},
         {"<GDALElevation url='a.tif' visible='1'/>", true},
         {"<GDALElevation url='a.tif' enabled='perhaps'/>", true},

@@ -239,15 +239,25 @@ TEST(RasterBand, SignedBytes)
 
 TEST(RasterBand, AColourTableIsForDisplay)
 {
+    const auto said = [](const DemFile& file)
+    { return noteWith(file, "colour table").find("taken as heights") != std::string::npos; };
+    MemoryRaster raster;
+    raster.colourTable = true;
     for (const GDALDataType type : {GDT_Byte, GDT_UInt16})
     {
-        MemoryRaster raster;
         raster.type = type;
-        raster.colourTable = true;
-        EXPECT_NE(noteWith(expectHeights(raster, {1, 2, 3, 4, 5, 6}), "colour table")
-                      .find("taken as heights"),
-                  std::string::npos);
+        EXPECT_TRUE(said(expectHeights(raster, {1, 2, 3, 4, 5, 6})));
     }
+    raster.scale = 10.0; // the rest of what the band says holds as well
+    raster.offset = -5.0;
+    raster.unit = "ft";
+    raster.noData = 4;
+    EXPECT_TRUE(said(expectHeights(raster, {5 * foot, 15 * foot, 25 * foot, missing, 45 * foot})));
+    raster = MemoryRaster(); // values that the table has no colour for
+    raster.type = GDT_UInt16;
+    raster.colourTable = true;
+    raster.values = {0, 9535, 1000, 2, 1, 300};
+    EXPECT_TRUE(said(expectHeights(raster, raster.values)));
 }
 
 TEST(RasterBand, AScaleThatIsNoneIsRefused)
@@ -291,13 +301,26 @@ TEST(RasterBand, MasksSayWhatIsVoid)
 
 TEST(RasterBand, StatisticsAreToldAndNotUsed)
 {
-    MemoryRaster raster;
-    raster.metadata = {{"STATISTICS_MINIMUM", "2.5"}, {"STATISTICS_MAXIMUM", "4.5"}};
-    EXPECT_TRUE(expectHeights(raster, {1, 2, 3, 4, 5, 6}).notes.empty());
-    const Result<DemInfo> info = describeDem(raster.write());
-    ASSERT_TRUE(info && info->statistics);
-    EXPECT_EQ((*info->statistics)[0], 2.5);
-    EXPECT_EQ((*info->statistics)[1], 4.5);
+    using Metadata = std::vector<std::pair<std::string, std::string>>;
+    const struct
+    {
+        Metadata metadata;
+        std::optional<std::array<double, 2>> told;
+    } kinds[] = {
+        {{{"STATISTICS_MINIMUM", "2.5"}, {"STATISTICS_MAXIMUM", "4.5"}}, {{2.5, 4.5}}}, // older
+        {{{"STATISTICS_MINIMUM", "-9999"}, {"STATISTICS_MAXIMUM", "-9999"}}, {{-9999, -9999}}},
+        {{{"STATISTICS_MINIMUM", "1"}, {"STATISTICS_MAXIMUM", "1e30"}}, {{1, 1e30}}},
+        {{{"STATISTICS_MINIMUM", "1"}}, std::nullopt},
+        {{{"STATISTICS_MEAN", "3"}}, std::nullopt}};
+    for (const auto& kind : kinds)
+    {
+        MemoryRaster raster;
+        raster.metadata = kind.metadata;
+        EXPECT_TRUE(expectHeights(raster, {1, 2, 3, 4, 5, 6}).notes.empty());
+        const Result<DemInfo> info = describeDem(raster.write());
+        ASSERT_TRUE(info);
+        EXPECT_EQ(info->statistics, kind.told);
+    }
 }
 
 TEST(RasterBand, TheCoordinateEpochIsKept)
