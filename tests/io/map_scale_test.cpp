@@ -272,3 +272,28 @@ TEST(MapScale, NoAdviceOfUtmBeyondTheEarth)
         EXPECT_EQ(file.notes[0].find("UTM") != std::string::npos, map.earth) << file.notes[0];
     }
 }
+
+// Distances are the map's then, and a note says so.
+TEST(MapScale, AMiddleThatIsNowhereIsTold)
+{
+    const struct
+    {
+        const char* crs;
+        double x, y;
+    } maps[] = {{"+proj=ortho +lat_0=0 +lon_0=0 +R=6371000 +units=m", 6e6, 5e6}, // beside the globe
+                {"+proj=moll +R=6371000 +units=m", 1.7e7, 8e6},                  // beside the oval
+                {"+proj=geos +h=35785831 +R=6378137 +units=m", 5.4e6, 3e6}, // a satellite's sky
+                {"PROJCS[\"mine\",GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,"
+                 "298.257223563]],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]],"
+                 "PROJECTION[\"Of_my_own\"],UNIT[\"metre\",1]]",
+                 1000, 1000}};
+    for (const auto& map : maps)
+    {
+        SCOPED_TRACE(map.crs);
+        const DemFile file = readAround(map.crs, map.x, map.y, 100.0);
+        ASSERT_EQ(file.tile.width(), 9);
+        EXPECT_EQ(file.tile.northSpacing, 100.0);
+        ASSERT_EQ(file.notes.size(), 1u);
+        EXPECT_NE(file.notes[0].find("distances are taken from the map"), std::string::npos);
+    }
+}

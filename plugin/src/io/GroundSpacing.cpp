@@ -149,14 +149,18 @@ void measureMap(const OGRSpatialReference& crs, double metresPerUnit, const Rast
     const std::unique_ptr<OGRSpatialReference> base(crs.CloneGeogCS());
     const std::optional<MapGround> ground =
         base ? MapGround::between(crs, *base) : std::optional<MapGround>();
-    if (!ground)
+    const std::pair<double, double> centre(frame.mapX(0.5 * (frame.width - 1)),
+                                           frame.mapY(0.5 * (frame.height - 1)));
+    const std::optional<GroundPoint> middle = ground ? ground->at({centre}).front() : std::nullopt;
+    if (!middle || !(middle->metresPerY() > 0.0))
+    {
+        spacing.notes.push_back("PROJ does not know where the middle of the raster lies on the "
+                                "ground: distances are taken from the map");
         return;
+    }
     // Corners, edges and between: a smooth projection that is true there is true everywhere.
     const Nodes few = sample(*ground, frame, std::min(frame.width, 9), std::min(frame.height, 9));
-    const std::optional<GroundPoint> middle =
-        ground->at({{frame.mapX(0.5 * (frame.width - 1)), frame.mapY(0.5 * (frame.height - 1))}})
-            .front();
-    if (!middle || !(middle->metresPerY() > 0.0) || isTrue(few, metresPerUnit))
+    if (isTrue(few, metresPerUnit))
         return;
     // Enough for bilinear interpolation within 1e-5 over 1000 km.
     const Nodes nodes =
