@@ -2,14 +2,15 @@
 
 #include "gpu/GlConstants.h"
 #include "lighting/nodes/ShadeNode.h"
+#include "lighting/sources/KeyLights.h"
+#include "lighting/sources/Sun.h"
 
 namespace osgTerrainLight
 {
 
 Slices::Slices(const TileInputs& inputs, const TileSurface& surface, SkyTableNode* table)
     : _inputs(&inputs), _surface(&surface), _sky(new Sky(inputs, surface, table)),
-      _sun(new Sun(inputs, surface)),
-      _keys(new KeyLights(inputs, surface)), _lights{_sky, _keys, _sun}
+      _lights{_sky, new KeyLights(inputs, surface), new Sun(inputs, surface)}
 {
 }
 
@@ -24,7 +25,11 @@ WorkGraph::Nodes Slices::sources() const
 
 std::vector<HorizonNode*> Slices::horizons() const
 {
-    return {&_sky->horizon(), &_sun->horizon(), &_keys->horizon()};
+    std::vector<HorizonNode*> all;
+    for (const auto& light : _lights)
+        if (HorizonNode* horizon = light->horizon())
+            all.push_back(horizon);
+    return all;
 }
 
 void Slices::follow(Invalidation stale)
@@ -66,8 +71,12 @@ void Slices::declareGloss(WorkGraph::Nodes& nodes)
     _gloss = new GlossWork(*_inputs, *_surface, _rays, horizon());
     _glossSoFar = _bounces == 0 ? _lightOfGloss.get() : _gloss->createLight();
     _exit = _gloss->createExit(_bounces > 0);
+    LightSources inHarmonics;
+    for (const auto& light : _lights)
+        if (light->isInHarmonics())
+            inHarmonics.push_back(light);
     nodes.emplace_back(
-        new GlossNode(*_inputs, _gloss, {_keys}, horizon(), _light, _glossSoFar, _exit));
+        new GlossNode(*_inputs, _gloss, inHarmonics, horizon(), _light, _glossSoFar, _exit));
 }
 
 osg::ref_ptr<Resource> Slices::declareBounce(WorkGraph::Nodes& nodes)

@@ -5,9 +5,7 @@
 #include "lighting/nodes/GlossNode.h"
 #include "lighting/nodes/PyramidNode.h"
 #include "lighting/nodes/SentNode.h"
-#include "lighting/sources/KeyLights.h"
 #include "lighting/sources/Sky.h"
-#include "lighting/sources/Sun.h"
 
 namespace osgTerrainLight
 {
@@ -33,15 +31,13 @@ public:
 
 private:
     ~Slices() override = default;
-    Resource* horizon() const { return _sky->horizon().horizon(); }
+    Resource* horizon() const { return _sky->horizon()->horizon(); }
     void declareGloss(WorkGraph::Nodes& nodes);
     osg::ref_ptr<Resource> declareGlossBounce(WorkGraph::Nodes& nodes, Resource* diffuse);
 
     osg::ref_ptr<const TileInputs> _inputs;
     osg::ref_ptr<const TileSurface> _surface;
     osg::ref_ptr<Sky> _sky;
-    osg::ref_ptr<Sun> _sun;
-    osg::ref_ptr<KeyLights> _keys;
     LightSources _lights; ///< all of them
 
     // Of the last declareDirect().

@@ -23,7 +23,7 @@ public:
     void bind(GpuPass& pass, std::vector<std::string>& defines) const override;
     void follow(Invalidation stale) override;
 
-    HorizonNode& horizon() const { return *_horizon; }
+    HorizonNode* horizon() const override { return _horizon; }
 
 private:
     ~KeyLights() override = default;

@@ -2,6 +2,7 @@
 
 #include "core/SettingRow.h"
 #include "gpu/WorkGraph.h"
+#include "lighting/nodes/HorizonNode.h"
 
 #include <osg/Referenced>
 
@@ -22,6 +23,10 @@ public:
     virtual std::vector<Resource*> values() const = 0;
     /// Gives a pass its textures and uniforms, and adds the define where it lights anything now.
     virtual void bind(GpuPass& pass, std::vector<std::string>& defines) const = 0;
+    /// Null where it needs none.
+    virtual HorizonNode* horizon() const { return nullptr; }
+    /// Whether lights.glsl has it in harmonics; gloss.comp has code of its own for the others.
+    virtual bool isInHarmonics() const { return true; }
     /// Whether a cell's mean light is not enough for what sees the cell near.
     virtual bool variesInCells() const { return false; }
     /// Settings or light have changed, which makes this stale: adapts the nodes.

@@ -22,7 +22,8 @@ public:
     void bind(GpuPass& pass, std::vector<std::string>& defines) const override;
     void follow(Invalidation stale) override;
 
-    HorizonNode& horizon() const { return *_horizon; }
+    HorizonNode* horizon() const override { return _horizon; }
+    bool isInHarmonics() const override { return false; }
     /// Sky-view factor, or light of a sky with a table.
     Resource* view() const { return _view->view(); }
 

@@ -26,7 +26,8 @@ public:
     void bind(GpuPass& pass, std::vector<std::string>& defines) const override;
     bool variesInCells() const override { return true; } // shadows have edges
 
-    HorizonNode& horizon() const { return *_horizon; }
+    HorizonNode* horizon() const override { return _horizon; }
+    bool isInHarmonics() const override { return false; }
 
 private:
     ~Sun() override = default;
