@@ -9,8 +9,9 @@ namespace osgTerrainLight
 {
 
 Slices::Slices(const TileInputs& inputs, const TileSurface& surface, SkyTableNode* table)
-    : _inputs(&inputs), _surface(&surface), _sky(new Sky(inputs, surface, table)),
-      _lights{_sky, new KeyLights(inputs, surface), new Sun(inputs, surface)}
+    : _inputs(&inputs), _surface(&surface),
+      _sky(new Sky(inputs, surface, table)), _lights{_sky, new KeyLights(inputs, surface),
+                                                     new Sun(inputs, surface)}
 {
 }
 
