@@ -217,6 +217,29 @@ TEST(RasterBand, PixelTypes)
     }
 }
 
+TEST(RasterBand, ChannelsOfAPictureAreRefused)
+{
+    const auto read = [](GDALColorInterp colour)
+    {
+        const GDALDatasetUniquePtr dataset(
+            GetGDALDriverManager()->GetDriverByName("MEM")->Create("", 2, 2, 3, GDT_Byte, nullptr));
+        dataset->GetRasterBand(2)->SetColorInterpretation(colour);
+        std::vector<std::string> notes;
+        return readBandFacts("a.tif", *dataset, 2, "", notes);
+    };
+    for (const GDALColorInterp colour : {GCI_RedBand, GCI_GreenBand, GCI_BlueBand, GCI_AlphaBand,
+                                         GCI_HueBand, GCI_CyanBand, GCI_BlackBand, GCI_YCbCr_YBand})
+    {
+        const Result<BandFacts> facts = read(colour);
+        ASSERT_FALSE(facts) << GDALGetColorInterpretationName(colour);
+        EXPECT_EQ(facts.error().message, std::string("a.tif: band 2 of 3 is a picture's (") +
+                                             GDALGetColorInterpretationName(colour) +
+                                             "), not a DEM; needed a band of heights");
+    }
+    for (const GDALColorInterp colour : {GCI_Undefined, GCI_GrayIndex, GCI_PaletteIndex})
+        EXPECT_TRUE(read(colour)) << GDALGetColorInterpretationName(colour);
+}
+
 TEST(RasterBand, SignedBytes)
 {
     MemoryRaster raster;
