@@ -6,31 +6,36 @@
 
 #include <CLI/CLI.hpp>
 #include <cpl_conv.h>
+#include <cpl_multiproc.h>
 #include <cpl_string.h>
 #include <cpl_vsi.h>
-#include <gdal_priv.h>
-
 #include <ogr_spatialref.h>
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 
 namespace osgTerrainLight::tool
 {
+namespace
+{
+namespace fs = std::filesystem;
+}
 
 bool isExr(const OutputOptions& output)
 {
-    return output.format.empty() ? EQUAL(CPLGetExtension(output.path.c_str()), "exr")
+    return output.format.empty() ? EQUAL(fs::path(output.path).extension().c_str(), ".exr")
                                  : EQUAL(output.format.c_str(), "EXR");
 }
 
-Status checkOutput(const OutputOptions& output, int bands)
+Status checkOutput(const OutputOptions& output, int bands, const RasterFrame& frame)
 {
     if (isExr(output) && !output.creationOptions.empty())
         return Error{ErrorCode::NotSupported,
                      output.path + ": OpenEXR files have no creation options (-co)"};
-    RasterFrame pixel;
-    pixel.width = pixel.height = 1;
+    RasterFrame pixel = frame;
+    pixel.width = std::clamp(frame.width, 1, 2); // some formats need two
+    pixel.height = std::clamp(frame.height, 1, 2);
     OutputOptions options = output;
     if (isExr(output)) // not GDAL's to write: the folder is what matters
         options.format = "GTiff";
@@ -41,9 +46,16 @@ Status checkOutput(const OutputOptions& output, int bands)
     if (!writer || bands == 0)
         return writer ? Status(Nothing{}) : Status(writer.error());
     for (int band = 1; band <= bands; ++band)
-        if (Status written = writer->writeBand(band, Raster<float>(1, 1)); !written)
+        if (Status written = writer->writeBand(band, Raster<float>(pixel.width, pixel.height));
+            !written)
             return written;
-    return writer->rehearse();
+    const Result<bool> keepsEpoch = writer->rehearse();
+    if (!keepsEpoch)
+        return keepsEpoch.error();
+    if (!*keepsEpoch)
+        warn(output.path + ": this format does not keep the CRS's coordinate epoch, " +
+             text(frame.coordinateEpoch));
+    return Nothing{};
 }
 
 namespace
@@ -51,8 +63,8 @@ namespace
 /// Names of the files that the driver makes of a pixel with a place, as they would be called.
 std::vector<std::string> filesBeside(const OutputOptions& output)
 {
-    const std::string parent = CPLGetPath(output.path.c_str());
-    const std::string name = CPLGetFilename(output.path.c_str());
+    const fs::path parent = fs::path(output.path).parent_path();
+    const std::string name = fs::path(output.path).filename().string();
     std::vector<std::string> files = {output.path};
     for (const char* sidecar : {".aux.xml", ".ovr", ".msk"})
         files.push_back(output.path + sidecar);
@@ -72,8 +84,7 @@ std::vector<std::string> filesBeside(const OutputOptions& output)
                                     writeOptions(output, {})));
     const CPLStringList made(VSIReadDir(folder.c_str()));
     for (int i = 0; i < made.size(); ++i)
-        files.push_back(parent.empty() ? made[i]
-                                       : CPLFormFilename(parent.c_str(), made[i], nullptr));
+        files.push_back((parent / made[i]).string());
     VSIRmdirRecursive(folder.c_str());
     return files;
 }
@@ -95,10 +106,11 @@ void refuseInputs(const std::vector<std::string>& inputs, const OutputOptions& o
         const std::string same = sameFile(files, file);
         if (same.empty())
             continue;
-        const bool isInput = file == output.path && same == inputs.front();
+        const bool isInput =
+            file == output.path && std::find(inputs.begin(), inputs.end(), same) != inputs.end();
         throw CLI::ValidationError(
             "OUTPUT", file +
-                          (isInput               ? " is the input file"
+                          (isInput               ? " is the input file " + same
                            : file == output.path ? " is " + same + ", which an input is made of"
                                                  : ", written beside " + output.path + ", is " +
                                                        same + ", which an input is made of") +

@@ -23,8 +23,9 @@ struct OutputOptions
 bool isExr(const OutputOptions& output);
 
 /// Finds out before the work what else would show after it: no such folder, driver or creation
-/// option, a driver without floats. bands: of floats; 0 for a picture or EXR file.
-Status checkOutput(const OutputOptions& output, int bands);
+/// option, a driver without floats or without this place. bands: of floats; 0 for a picture or EXR
+/// file. frame: whose place the output has.
+Status checkOutput(const OutputOptions& output, int bands, const RasterFrame& frame = {});
 
 /// A mistake in the command line where the output, or a file beside it that it would replace
 /// (.aux.xml, .ovr, .msk, and what its driver writes: headers, world files, .prj), is a file that

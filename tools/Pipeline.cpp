@@ -270,21 +270,28 @@ void hintAtCurvature(const RasterOptions& options, const DemInfo& info)
 }
 } // namespace
 
+Status checkProj(const std::string& path, const Result<DemInfo>& info)
+{
+    const std::string broken = projComplaint();
+    if (broken.empty())
+        return Nothing{};
+    if (!info || !info->frame.crs.empty())
+        return Error{ErrorCode::Failed, path + ": " + broken};
+    warn(path + ": a CRS that it may have is not known: " + broken);
+    return Nothing{};
+}
+
 Status readTile(const RasterOptions& options, int bands, LitTile& lit, std::size_t& headNotes,
                 Progress& progress)
 {
     const std::string& path = options.input;
     refuseInputs({path, options.albedoFile}, options.output);
     Result<DemInfo> info = describeDem(path, options.read);
-    if (const std::string broken = projComplaint(); !broken.empty())
-    {
-        if (!info || !info->frame.crs.empty())
-            return Error{ErrorCode::Failed, path + ": " + broken};
-        warn(path + ": a CRS that it may have is not known: " + broken);
-    }
+    if (Status known = checkProj(path, info); !known)
+        return known;
     if (!info)
         return info.error();
-    if (Status writable = checkOutput(options.output, bands); !writable)
+    if (Status writable = checkOutput(options.output, bands, info->frame); !writable)
         return writable;
     const Result<double> radius = chooseRadius(options, *info);
     if (!radius)

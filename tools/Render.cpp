@@ -41,17 +41,35 @@ struct Options
     int frames = 100;
 };
 
-/// DEMs and maps go to our reader, which is asked for by a second extension; anything else to its
-/// own.
+const std::string suffix = ".terrainlight"; // asks for our reader
+
+bool hasSuffix(const std::string& scene)
+{
+    return EQUAL(CPLGetExtension(scene.c_str()), suffix.c_str() + 1);
+}
+
+/// A map or a raster, without the suffix.
+bool isMapOrRaster(const std::string& name)
+{
+    GDALAllRegister();
+    return EQUAL(CPLGetExtension(name.c_str()), "earth") ||
+           GDALIdentifyDriver(name.c_str(), nullptr);
+}
+
+/// DEMs and maps go to our reader, anything else to its own.
 std::string readableName(const std::string& scene)
 {
-    const std::string extension = CPLGetExtension(scene.c_str());
-    if (EQUAL(extension.c_str(), "terrainlight"))
-        return scene;
-    GDALAllRegister();
-    const bool ours =
-        EQUAL(extension.c_str(), "earth") || GDALIdentifyDriver(scene.c_str(), nullptr);
-    return ours ? scene + ".terrainlight" : scene;
+    return !hasSuffix(scene) && isMapOrRaster(scene) ? scene + suffix : scene;
+}
+
+/// checkProj() of a raster and of all that a map is made of.
+Status checkProj(const Options& options)
+{
+    const std::string name = hasSuffix(options.scene)
+                                 ? options.scene.substr(0, options.scene.size() - suffix.size())
+                                 : options.scene;
+    return isMapOrRaster(name) ? tool::checkProj(name, describeDem(name, options.read))
+                               : Status(Nothing{});
 }
 
 /// What was asked for, since a map has settings of its own.
@@ -232,6 +250,8 @@ Status run(const CLI::App& app, Options options)
         return read;
     checkProblems(options.settings, options.sky, SettingsUse::Lighting, "SETTINGS");
     refuseInputs({options.scene, options.skyFile}, options.output);
+    if (Status known = checkProj(options); !known)
+        return known;
     if (Status writable = checkOutput(options.output, 0); !writable)
         return writable;
     const Result<Gpu> gpu = openGpu(options.width, options.height);

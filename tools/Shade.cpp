@@ -73,6 +73,8 @@ Status writeExrFile(const Options& options, const Metadata& metadata, const LitT
     image.text.insert(metadata.begin(), metadata.end());
     if (!lit.dem.frame.crs.empty())
         image.text["TERRAINLIGHT_CRS"] = lit.dem.frame.crs;
+    if (lit.dem.frame.coordinateEpoch > 0.0)
+        image.text["TERRAINLIGHT_COORDINATE_EPOCH"] = text(lit.dem.frame.coordinateEpoch);
     for (unsigned c = 0; c < 4; ++c)
     {
         ExrChannel channel = {std::string(1, "RGBA"[c]), {}};

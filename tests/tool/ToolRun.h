@@ -114,14 +114,15 @@ protected:
     void TearDown() override { std::filesystem::remove_all(folder); }
 
     /// arguments: as typed in a shell; the working folder is the test's own. before: what the shell
-    /// does first.
-    ToolRun run(const std::string& arguments, const std::string& before = ":") const
+    /// does first. with: a program that runs the tool, with its arguments.
+    ToolRun run(const std::string& arguments, const std::string& before = ":",
+                const std::string& with = "") const
     {
         // Streams go beside the folder, so that what is in it was left by the tool.
         const std::string streams = folder.string() + ".stream";
-        const std::string command = "cd '" + folder.string() + "' && " + before + " && exec '" +
-                                    OTL_TOOL + "' " + arguments + " >'" + streams + "out' 2>'" +
-                                    streams + "err'";
+        const std::string command = "cd '" + folder.string() + "' && " + before + " && exec " +
+                                    with + " '" + OTL_TOOL + "' " + arguments + " >'" + streams +
+                                    "out' 2>'" + streams + "err'";
         const int raw = std::system(command.c_str());
         ToolRun result;
         result.status = WIFEXITED(raw) ? WEXITSTATUS(raw) : -WTERMSIG(raw);

@@ -33,7 +33,7 @@ GdalErrors::~GdalErrors()
 void GdalErrors::add(bool failure, const char* message)
 {
     if (!failure)
-        _warning = message;
+        _warnings.emplace_back(message);
     else
     {
         if (_firstFailure.empty())
@@ -46,14 +46,22 @@ void GdalErrors::clear()
 {
     _firstFailure.clear();
     _lastFailure.clear();
-    _warning.clear();
+    _warnings.clear();
 }
 
 std::string GdalErrors::first() const
 {
     if (!_firstFailure.empty())
         return _firstFailure;
-    return _warning.empty() ? "GDAL gives no reason" : _warning;
+    return _warnings.empty() ? "GDAL gives no reason" : _warnings.back();
+}
+
+std::string GdalErrors::warningWith(const std::string& words) const
+{
+    for (const std::string& warning : _warnings)
+        if (warning.find(words) != std::string::npos)
+            return warning;
+    return {};
 }
 
 std::string GdalErrors::last() const

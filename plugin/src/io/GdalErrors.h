@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace osgTerrainLight
 {
@@ -19,13 +20,17 @@ public:
     void clear();
 
     bool hasFailure() const { return !_firstFailure.empty(); }
+    bool hasMessage() const { return hasFailure() || !_warnings.empty(); }
+    /// The first warning with these words in it; empty: none.
+    std::string warningWith(const std::string& words) const;
     /// The first failure is mostly the cause, the last the one that names the place; a warning
     /// stands in where there was no failure, and a fixed phrase where there was nothing.
     std::string first() const;
     std::string last() const;
 
 private:
-    std::string _firstFailure, _lastFailure, _warning;
+    std::string _firstFailure, _lastFailure;
+    std::vector<std::string> _warnings;
 };
 
 } // namespace osgTerrainLight

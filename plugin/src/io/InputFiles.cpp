@@ -43,11 +43,26 @@ public:
     std::vector<std::string> files;
 
 private:
+    /// With what GDAL reads beside it, which not every driver lists: place and CRS above all (.tfw,
+    /// .tifw, .wld, .prj for a .tif).
     void addFile(const std::string& path)
     {
+        const auto addWhereThere = [this](const std::string& file)
+        {
+            if (isFile(file) && _files.insert(file).second)
+                files.push_back(file);
+        };
         for (const char* sidecar : {"", ".aux.xml", ".ovr", ".msk"})
-            if (isFile(path + sidecar) && _files.insert(path + sidecar).second)
-                files.push_back(path + sidecar);
+            addWhereThere(path + sidecar);
+        const std::string extension = fs::path(path).extension().string();
+        if (extension.size() < 2)
+            return;
+        const std::string stem = path.substr(0, path.size() - extension.size());
+        for (const std::string& beside : {std::string(".wld"),
+                                          std::string(".prj"),
+                                          extension + "w",
+                                          {'.', extension[1], extension.back(), 'w'}})
+            addWhereThere(stem + beside);
     }
 
     /// The file itself, or the files that stand in a dataset's name: between colons, quotes and

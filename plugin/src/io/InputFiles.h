@@ -7,8 +7,8 @@ namespace osgTerrainLight
 {
 
 /// Every file on disk that an input is made of: the file itself, what GDAL lists for it (sources of
-/// a VRT, of VRTs among them again, header pairs, world files), its sidecars (.aux.xml, .ovr,
-/// .msk), the file within a dataset's name (NETCDF:"a.nc":Band1, vrt://a.tif, /vsizip/a.zip/b.tif),
+/// a VRT, of VRTs among them again, header pairs), its sidecars (.aux.xml, .ovr, .msk, world files,
+/// .prj), the file within a dataset's name (NETCDF:"a.nc":Band1, vrt://a.tif, /vsizip/a.zip/b.tif),
 /// and of an .earth map its layers and its sky. Files that do not exist are not listed.
 std::vector<std::string> filesOf(const std::string& input);
 

@@ -1,6 +1,5 @@
 #include "io/PendingFile.h"
 
-#include <cpl_conv.h>
 #include <cpl_multiproc.h>
 #include <cpl_string.h>
 #include <cpl_vsi.h>
@@ -9,6 +8,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -18,6 +18,8 @@ namespace osgTerrainLight
 
 namespace
 {
+namespace fs = std::filesystem;
+
 std::string systemsReason(int number)
 {
     return std::generic_category().message(number);
@@ -27,7 +29,7 @@ std::string systemsReason(int number)
 /// counts the length and a disk what is written.
 std::string complaintOfSystem(const std::string& path, double bytes)
 {
-    const std::vector<char> block(1 << 16, 'x');
+    const std::vector<char> block(static_cast<std::size_t>(std::clamp(bytes, 1.0, 65536.0)), 'x');
     std::FILE* file = std::fopen(path.c_str(), "wb");
     if (!file)
         return systemsReason(errno);
@@ -72,8 +74,8 @@ Status PendingFile::create(bool overwrite)
             return refused("exists already, and overwriting was not asked for");
     }
     static std::atomic<unsigned> counter{0};
-    _parent = CPLGetPath(_target.c_str());
-    _name = CPLGetFilename(_target.c_str());
+    _parent = fs::path(_target).parent_path().string();
+    _name = fs::path(_target).filename().string();
     // Not by the target's name, which may be as long as names can be.
     const std::string folder = beside(".partial-" + std::to_string(CPLGetCurrentProcessID()) + "-" +
                                       std::to_string(counter++));
@@ -86,9 +88,10 @@ Status PendingFile::create(bool overwrite)
     return Nothing{};
 }
 
-std::string PendingFile::reason(const std::string& said, double bytes) const
+std::string PendingFile::reason(const std::string& said, double bytes,
+                                const std::string& suffix) const
 {
-    std::string plain = said;
+    std::string plain = said.substr(0, said.find_last_not_of(" \n") + 1);
     const std::string written = path();
     for (std::size_t at = 0; (at = plain.find(written, at)) != std::string::npos;)
     {
@@ -96,7 +99,9 @@ std::string PendingFile::reason(const std::string& said, double bytes) const
         at += _target.size();
     }
     const bool isOnDisk = !_folder.empty() && _folder.compare(0, 4, "/vsi") != 0;
-    const std::string system = isOnDisk ? complaintOfSystem(inside(".room"), bytes) : "";
+    const std::string system =
+        isOnDisk ? complaintOfSystem(suffix.empty() ? inside(".room") : path() + suffix, bytes)
+                 : "";
     return system.empty() ? plain : plain.empty() ? system : system + " (" + plain + ")";
 }
 
@@ -127,7 +132,7 @@ Status PendingFile::commit()
 
 std::string PendingFile::beside(const std::string& name) const
 {
-    return _parent.empty() ? name : CPLFormFilename(_parent.c_str(), name.c_str(), nullptr);
+    return (fs::path(_parent) / name).string();
 }
 
 } // namespace osgTerrainLight

@@ -26,8 +26,9 @@ public:
 
     /// The reason of a failure to write: the system's own, where a file of so many bytes cannot be
     /// written in this folder (no space left, too large), with what the library said in brackets;
-    /// else that alone. It names the target where the library named the file in the folder.
-    std::string reason(const std::string& said, double bytes) const;
+    /// else that alone. It names the target where the library named the file in the folder. suffix:
+    /// of the sidecar that failed.
+    std::string reason(const std::string& said, double bytes, const std::string& suffix = {}) const;
 
     /// Moves all that is in the folder to its place; the main file first, since where that fails
     /// nothing has changed. Statistics, overviews and masks of the file that was there are removed.

@@ -1,8 +1,9 @@
 #include "io/RasterDriver.h"
 
-#include <cpl_conv.h>
 #include <cpl_string.h>
 #include <gdal_priv.h>
+
+#include <filesystem>
 
 namespace osgTerrainLight
 {
@@ -41,7 +42,8 @@ Result<GDALDriver*> findRasterDriver(const std::string& path, const std::string&
                          path + ": GDAL's driver \"" + name + "\" does not write raster files"};
         return driver;
     }
-    const std::string extension = CPLGetExtension(path.c_str());
+    std::string extension = std::filesystem::path(path).extension().string();
+    extension.erase(0, 1); // its full stop
     // As GDAL's own tools: the first registered; GTiff before COG, netCDF before GMT, by that order
     // or by name.
     if (extension.empty())

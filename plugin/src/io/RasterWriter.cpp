@@ -152,11 +152,13 @@ struct OutputFile
 
     Error failed(const std::string& what, const std::string& said) const
     {
-        return {ErrorCode::Failed, path + ": " + what + ": " + file.reason(said, bytes)};
+        const std::string reason = file.reason(said, bytes);
+        return {ErrorCode::Failed,
+                path + ": " + what + ": " + (reason.empty() ? "GDAL gives no reason" : reason)};
     }
     Error failed(const std::string& what, const GdalErrors& errors) const
     {
-        return failed(what, errors.first());
+        return failed(what, errors.hasMessage() ? errors.first() : std::string());
     }
 
     /// Completes the file in its hidden folder and holds it against what was to be written. Return
@@ -186,6 +188,11 @@ struct OutputFile
                                                                     driver->GetDescription() +
                                                                     "\" wrote no file of that name"
                                                               : said);
+        // A sidecar that is missing leaves a file that reads well, without its place.
+        if (const std::string lost = errors.warningWith("Unable to save auxiliary information");
+            !lost.empty())
+            return Error{ErrorCode::Failed,
+                         path + ": cannot be completed: " + file.reason(lost, 1.0, ".aux.xml")};
         const bool exact = WrittenFile::isExact(*driver, options.creationOptions);
         if (const Status same = written->compare(file.path(), *driver, exact); !same)
             return failed("cannot be completed", said.empty() ? same.error().message : said);
@@ -195,6 +202,17 @@ struct OutputFile
     {
         const Status completed = complete();
         return completed ? file.commit() : completed;
+    }
+
+    /// Of the complete file.
+    bool keepsEpoch() const
+    {
+        if (!(frame.coordinateEpoch > 0.0) || frame.crs.empty())
+            return true;
+        const GdalErrors quiet;
+        const GDALDatasetUniquePtr read(GDALDataset::Open(file.path().c_str(), GDAL_OF_RASTER));
+        const OGRSpatialReference* crs = read ? read->GetSpatialRef() : nullptr;
+        return crs && std::abs(crs->GetCoordinateEpoch() - frame.coordinateEpoch) < 1e-6;
     }
 
     std::string path;
@@ -301,28 +319,34 @@ Status RasterWriter::writeBand(int band, const Raster<float>& values)
     return Nothing{};
 }
 
-Status RasterWriter::end(bool isKept)
+Result<std::unique_ptr<RasterWriter::State>> RasterWriter::end()
 {
     if (!_state || _state->broken)
         return Error{ErrorCode::Failed, (_state ? _state->path + ": " : std::string()) +
                                             "nothing can be written after a failure or the end"};
-    const std::unique_ptr<State> state = std::move(_state);
+    std::unique_ptr<State> state = std::move(_state);
     const int bands = state->dataset->GetRasterCount();
     if (static_cast<int>(state->done.size()) != bands)
         return Error{ErrorCode::Invalid, state->path + ": only " +
                                              std::to_string(state->done.size()) + " of " +
                                              std::to_string(bands) + " bands were written"};
-    return isKept ? state->finish() : state->complete();
+    return state;
 }
 
 Status RasterWriter::finish()
 {
-    return end(true);
+    const Result<std::unique_ptr<State>> state = end();
+    return state ? (*state)->finish() : Status(state.error());
 }
 
-Status RasterWriter::rehearse()
+Result<bool> RasterWriter::rehearse()
 {
-    return end(false);
+    const Result<std::unique_ptr<State>> state = end();
+    if (!state)
+        return state.error();
+    if (const Status completed = (*state)->complete(); !completed)
+        return completed.error();
+    return (*state)->keepsEpoch();
 }
 
 Status writeRaster(const std::string& path, const RasterFrame& frame,

@@ -66,13 +66,15 @@ public:
     /// Completes the file, reads it again, compares it with what was written and puts it in place.
     /// Nothing can be written afterwards.
     Status finish();
-    /// As finish(), but nothing is put in place: whether a file of this kind can be written there.
-    Status rehearse();
+    /// As finish(), but nothing is put in place: whether a file of this kind can be written there,
+    /// and whether the format keeps the frame's coordinate epoch, if it has one.
+    Result<bool> rehearse();
 
 private:
     struct State;
     explicit RasterWriter(std::unique_ptr<State> state);
-    Status end(bool isKept);
+    /// The end of writing: takes the state.
+    Result<std::unique_ptr<State>> end();
 
     std::unique_ptr<State> _state;
 };
