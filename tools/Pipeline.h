@@ -56,8 +56,8 @@ Status setSun(SkyLight& sky, const RasterOptions& options, const SunTime& sun, M
 /// Software, version, mode, settings and, where a budget chose them, their measured error.
 Metadata describe(const std::string& mode, const LitTile& lit, bool azimuths);
 
-/// An error where PROJ's data cannot be read and a raster, or what it stands for, may need them: its
-/// scale and place would be others, or none. A warning where it has no CRS.
+/// An error where PROJ's data cannot be read and a raster, or what it stands for, may need them:
+/// its scale and place would be others, or none. A warning where it has no CRS.
 Status checkProj(const std::string& path, const Result<DemInfo>& info);
 
 /// A DEM whose light is to be computed, read, and the context to do it in. Makes sure before that

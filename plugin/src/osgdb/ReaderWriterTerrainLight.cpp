@@ -3,6 +3,7 @@
 #include "io/EarthFile.h"
 #include "io/LightParameters.h"
 #include "io/ReadOption.h"
+#include "osgdb/LostLight.h"
 #include "scene/TerrainModel.h"
 #include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/TerrainLighting.h>
@@ -14,7 +15,9 @@
 #include <osgDB/Registry>
 
 #include <algorithm>
+#include <exception>
 #include <iterator>
+#include <new>
 #include <sstream>
 
 namespace osgTerrainLight
@@ -101,6 +104,47 @@ public:
 
     ReadResult readNode(const std::string& name, const osgDB::Options* options) const override
     {
+        return guarded(name, [&] { return readFile(name, options); });
+    }
+
+    /// The text of an .earth file.
+    ReadResult readNode(std::istream& stream, const osgDB::Options* options) const override
+    {
+        return guarded("map",
+                       [&]
+                       {
+                           const std::string text{std::istreambuf_iterator<char>(stream),
+                                                  std::istreambuf_iterator<char>()};
+                           const bool hasFolder =
+                               options && !options->getDatabasePathList().empty();
+                           return made(parseEarth(text, "map"),
+                                       hasFolder ? options->getDatabasePathList().front() : "",
+                                       "map", options);
+                       });
+    }
+
+private:
+    /// Nothing is thrown through the plugin's border: neither a want of memory nor what another
+    /// plugin throws.
+    template <class Read>
+    static ReadResult guarded(const std::string& name, const Read& read)
+    {
+        try
+        {
+            return read();
+        }
+        catch (const std::bad_alloc&)
+        {
+            return failed(name + ": not enough memory");
+        }
+        catch (const std::exception& error)
+        {
+            return failed(name + ": cannot be read: " + error.what());
+        }
+    }
+
+    ReadResult readFile(const std::string& name, const osgDB::Options* options) const
+    {
         const std::string extension = osgDB::getLowerCaseFileExtension(name);
         if (!acceptsExtension(extension))
             return ReadResult::FILE_NOT_HANDLED;
@@ -117,17 +161,6 @@ public:
         return readTerrainOrScene(path.empty() ? inner : path, !path.empty(), options);
     }
 
-    /// The text of an .earth file.
-    ReadResult readNode(std::istream& stream, const osgDB::Options* options) const override
-    {
-        const std::string text{std::istreambuf_iterator<char>(stream),
-                               std::istreambuf_iterator<char>()};
-        const bool hasFolder = options && !options->getDatabasePathList().empty();
-        return made(parseEarth(text, "map"),
-                    hasFolder ? options->getDatabasePathList().front() : "", "map", options);
-    }
-
-private:
     static ReadResult failed(const std::string& sentence)
     {
         return ReadResult(sentence); // an error with its message, which osgDB prints
@@ -201,6 +234,7 @@ private:
 void registerReader()
 {
     static const osgDB::RegisterReaderWriterProxy<ReaderWriterTerrainLight> proxy;
+    warnOfLostLight();
 }
 
 } // namespace osgTerrainLight

@@ -3,6 +3,7 @@
 #include "core/EnumNames.h"
 #include "core/SettingsTable.h"
 #include "osgdb/FormerScene.h"
+#include "osgdb/LostLight.h"
 #include <osgTerrainLight/Environment.h>
 #include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/SunPosition.h>
@@ -301,6 +302,7 @@ void registerSerializers()
         createHandler, "osgTerrainLight::LightingHandler",
         "osg::Object osg::Callback osg::NodeCallback osgTerrainLight::LightingHandler",
         addHandlerProperties);
+    warnOfLostLight();
 }
 
 } // namespace osgTerrainLight
