@@ -261,6 +261,49 @@ TEST(GroundSpacing, TangentsAcrossAMercatorMapAgainstGreatCircles)
     EXPECT_GT(greatest, 0.0);
 }
 
+// Slopes are wrong by |gradient of ln(scale)| on the ground times half the range of heights: in
+// Mercator tan(latitude)/R; on a stereographic map at a distance r from the pole, where k = 1 +
+// (r/2R)², it is r/2R² along the meridian; on a transverse Mercator map sinh(x/R)/R.
+TEST(GroundSpacing, AScaleThatChangesTooFastIsTold)
+{
+    const double moon = 1737400.0;
+    const auto mercatorY = [](double latitude, double r)
+    { return r * std::log(std::tan(pi / 4.0 + latitude * degree / 2.0)); };
+    const struct
+    {
+        std::string crs;
+        double x, y;
+        double halfRange; // of heights [m]
+        double gradient;  // [1/m]
+    } maps[] = {
+        {sphere("+proj=merc"), 0, mercatorY(80, radius), 4000, std::tan(80 * degree) / radius},
+        {sphere("+proj=merc"), 0, mercatorY(60, radius), 4000, std::tan(60 * degree) / radius},
+        {"+proj=merc +R=1737400 +units=m", 0, mercatorY(-60, moon), 9000,
+         std::tan(60 * degree) / moon},
+        {"+proj=stere +lat_0=90 +R=1737400 +units=m", 2 * moon, 0, 9000, 1 / moon},
+        {"+proj=stere +lat_0=90 +R=1737400 +units=m", moon, -moon, 9000,
+         std::sqrt(0.5) / moon}, // the same along a diagonal of the map
+        {"+proj=tmerc +R=1737400 +units=m", 0.3 * moon, 0, 9000, std::sinh(0.3) / moon}};
+    for (const auto& map : maps)
+    {
+        SCOPED_TRACE(map.crs);
+        MemoryRaster raster = around(map.crs, map.x, map.y, 300.0, 9);
+        for (double& value : raster.values)
+            value *= map.halfRange / 50.0;
+        const DemFile file = read(raster);
+        const double wrong = std::atan(map.gradient * map.halfRange) / degree;
+        ASSERT_EQ(file.notes.size(), wrong > 0.1 ? 1u : 0u) << wrong;
+        if (file.notes.empty())
+            continue;
+        const std::size_t at = file.notes[0].find("wrong by up to ");
+        ASSERT_NE(at, std::string::npos) << file.notes[0];
+        EXPECT_NEAR(std::stod(file.notes[0].substr(at + 15)), wrong, 0.051) << "one digit is told";
+    }
+    // Cells that are not square: the gradient is that on the ground.
+    const HeightFactors factors(3, 3, 2, 2, {1.0, std::exp(0.06), std::exp(0.08), std::exp(0.14)});
+    EXPECT_NEAR(factors.steepest(10.0, 20.0), std::hypot(0.06 / 20.0, 0.08 / 40.0), 1e-12);
+}
+
 // Asked directly, since GeoTIFF keeps not all of them.
 TEST(GroundSpacing, OfOtherKindsOfCrs)
 {

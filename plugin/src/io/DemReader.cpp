@@ -255,7 +255,8 @@ private:
         file.notes.insert(file.notes.end(), customs.begin(), customs.end());
         // See HeightFactors.
         const double error =
-            ground.factors.steepest() / ground.north * 0.5 * (file.highest - file.lowest);
+            ground.factors.steepest(ground.east[ground.east.size() / 2], ground.north) * 0.5 *
+            (file.highest - file.lowest);
         if (error > std::tan(0.1 * pi / 180.0))
             file.notes.push_back(
                 std::string("the map's scale changes so much over the raster that slopes are wrong "

@@ -241,31 +241,29 @@ double HeightFactors::at(int column, int row) const
     const auto [x, shareX] = place(column, _width, _columns);
     const auto [y, shareY] = place(row, _height, _rows);
     const auto value = [this](int c, int r)
-    {
-        return _values[static_cast<std::size_t>(std::min(r, _rows - 1)) *
-                           static_cast<std::size_t>(_columns) +
-                       static_cast<std::size_t>(std::min(c, _columns - 1))];
-    };
+    { return node(std::min(c, _columns - 1), std::min(r, _rows - 1)); };
     const double south = (1.0 - shareX) * value(x, y) + shareX * value(x + 1, y);
     const double north = (1.0 - shareX) * value(x, y + 1) + shareX * value(x + 1, y + 1);
     return (1.0 - shareY) * south + shareY * north;
 }
 
-double HeightFactors::steepest() const
+double HeightFactors::steepest(double east, double north) const
 {
+    // Between nodes [m].
+    const double stepX = east * (_width - 1) / std::max(_columns - 1, 1);
+    const double stepY = north * (_height - 1) / std::max(_rows - 1, 1);
     double most = 0.0;
     for (int row = 0; row < _rows; ++row)
         for (int column = 0; column < _columns; ++column)
         {
-            const auto at = static_cast<std::size_t>(row * _columns + column);
-            if (column > 0)
-                most = std::max(most, std::abs(std::log(_values[at] / _values[at - 1])) *
-                                          (_columns - 1) / (_width - 1));
-            if (row > 0)
-                most = std::max(
-                    most, std::abs(std::log(_values[at] /
-                                            _values[at - static_cast<std::size_t>(_columns)])) *
-                              (_rows - 1) / (_height - 1));
+            const auto change = [&](int otherColumn, int otherRow, double step)
+            {
+                return otherColumn < 0 || otherRow < 0
+                           ? 0.0
+                           : std::log(node(column, row) / node(otherColumn, otherRow)) / step;
+            };
+            most = std::max(
+                most, std::hypot(change(column - 1, row, stepX), change(column, row - 1, stepY)));
         }
     return most;
 }

@@ -3,6 +3,7 @@
 #include "core/Result.h"
 #include "io/RasterFrame.h"
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -40,10 +41,17 @@ public:
     bool areOne() const { return _values.empty(); }
     /// Of a post of the tile, bilinear between nodes.
     double at(int column, int row) const;
-    /// Greatest relative change between neighbouring nodes, per post.
-    double steepest() const;
+    /// Greatest |gradient of ln(factor)| [1/m] between neighbouring nodes; east, north: between
+    /// posts [m].
+    double steepest(double east, double north) const;
 
 private:
+    double node(int column, int row) const
+    {
+        return _values[static_cast<std::size_t>(row) * static_cast<std::size_t>(_columns) +
+                       static_cast<std::size_t>(column)];
+    }
+
     int _width = 1, _height = 1, _columns = 0, _rows = 0;
     std::vector<double> _values;
 };
