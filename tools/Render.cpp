@@ -1,5 +1,6 @@
 #include "Pipeline.h"
 #include "RenderCamera.h"
+#include "SceneFiles.h"
 
 #include "io/LightParameters.h"
 #include "osgdb/Register.h"
@@ -269,6 +270,7 @@ Status run(const CLI::App& app, Options options)
     Result<osg::ref_ptr<osg::Node>> scene = load(app, options);
     if (!scene)
         return scene.error();
+    refuseInputs(filesOfScene(**scene, options.scene), options.output);
     if (options.sky.environment)
     {
         SkySetter setter(options.sky);

@@ -61,6 +61,7 @@ protected:
     void translate(const char* from, const char* to, std::vector<const char*> arguments) const
     {
         GDALAllRegister();
+        const CPLErrorHandlerPusher quiet(CPLQuietErrorHandler); // bytes have no nodata value -9999
         arguments.insert(arguments.begin(), "-q");
         arguments.push_back(nullptr);
         GDALTranslateOptions* options =
@@ -149,6 +150,26 @@ TEST_F(OutputIsInput, IsRefusedBeforeTheWork)
         EXPECT_EQ(result.out, "");
         EXPECT_TRUE(result.complains(each.refused)) << result.err;
         EXPECT_TRUE(result.complains(each.isMadeOf)) << result.err;
+        EXPECT_TRUE(result.complains("needs another name")) << result.err;
+        EXPECT_EQ(contents(), before);
+    }
+}
+
+// A scene of OpenSceneGraph is made of its textures and of the scenes in it.
+TEST_F(OutputIsInput, IsRefusedWhereASceneNeedsIt)
+{
+    translate("dem.tif", "sub/bricks.png", {"-of", "PNG", "-ot", "Byte"});
+    std::ofstream(path("sub/part.obj")) << "mtllib part.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
+                                           "vt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n";
+    std::ofstream(path("sub/part.mtl")) << "newmtl a\nmap_Kd bricks.png\n";
+    const auto before = contents();
+    for (const char* output : {"sub/bricks.png", "link/bricks.png", "./sub/../sub/bricks.png"})
+    {
+        const ToolRun result = run(std::string("render sub/part.obj ") + output + " --size 32");
+        if (result.complains("OpenGL"))
+            GTEST_SKIP() << "skipped: " << result.err;
+        EXPECT_EQ(result.status, 2) << result.err;
+        EXPECT_EQ(result.out, "");
         EXPECT_TRUE(result.complains("needs another name")) << result.err;
         EXPECT_EQ(contents(), before);
     }
