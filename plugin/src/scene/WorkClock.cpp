@@ -1,5 +1,6 @@
 #include "scene/WorkClock.h"
 
+#include <osg/ContextData>
 #include <osg/GLExtensions>
 
 #include <algorithm>
@@ -19,10 +20,36 @@ namespace
 {
 constexpr std::size_t mostMarks = 256; // a driver that is so far behind is not asked for more
 constexpr double newest = 0.25;        // weight of the last step in the mean
+
+class QueryManager : public osg::GLObjectManager
+{
+public:
+    explicit QueryManager(unsigned contextID)
+        : osg::GLObjectManager("osgTerrainLight::WorkClock", contextID)
+    {
+    }
+    void deleteGLObject(GLuint query) override
+    {
+        osg::GLExtensions::Get(_contextID, true)->glDeleteQueries(1, &query);
+    }
+
+private:
+    ~QueryManager() override = default;
+};
 } // namespace
+
+WorkClock::~WorkClock()
+{
+    for (const Mark& mark : _marks)
+        _gone->scheduleGLObjectForDeletion(mark.query);
+    for (const GLuint query : _queries)
+        _gone->scheduleGLObjectForDeletion(query);
+}
 
 void WorkClock::begin(osg::State& state)
 {
+    if (!_gone)
+        _gone = osg::get<QueryManager>(state.getContextID());
     collect(state);
     _start = std::chrono::steady_clock::now();
     _expected = 0.0;

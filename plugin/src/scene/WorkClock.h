@@ -1,6 +1,8 @@
 #pragma once
 
+#include <osg/GLObjects>
 #include <osg/State>
+#include <osg/ref_ptr>
 
 #include <chrono>
 #include <deque>
@@ -12,10 +14,18 @@ namespace osgTerrainLight
 /// How long the steps of a frame take on the GPU, without waiting for them. Software OpenGL runs a
 /// dispatch before the call returns, so the clock on the wall has seen it. On hardware dispatches
 /// are queued: timer queries of earlier steps, read once their results are there, tell what to
-/// expect of a step on so many posts. One per context; all but spent() need it current.
+/// expect of a step on so many posts. One per context; all but spent() and the destructor need it
+/// current.
 class WorkClock
 {
 public:
+    WorkClock() = default;
+    /// The context deletes the timer queries when it flushes objects that are gone, in its next
+    /// frame.
+    ~WorkClock();
+    WorkClock(const WorkClock&) = delete;
+    WorkClock& operator=(const WorkClock&) = delete;
+
     /// Starts a frame's work.
     void begin(osg::State& state);
     /// A step on a tile of so many posts has been queued, or run.
@@ -35,11 +45,12 @@ private:
     void mark(osg::State& state, double posts);
     void collect(osg::State& state);
 
-    std::deque<Mark> _marks;      ///< whose times have not been read
-    std::vector<GLuint> _queries; ///< to be used again
-    GLuint64 _last = 0;           ///< time of the mark before those [ns]
-    double _perPost = 0.0;        ///< expected [ms], a moving mean
-    double _expected = 0.0;       ///< of this frame's steps [ms]
+    osg::ref_ptr<osg::GLObjectManager> _gone; ///< queries to be deleted; null before begin()
+    std::deque<Mark> _marks;                  ///< whose times have not been read
+    std::vector<GLuint> _queries;             ///< to be used again
+    GLuint64 _last = 0;                       ///< time of the mark before those [ns]
+    double _perPost = 0.0;                    ///< expected [ms], a moving mean
+    double _expected = 0.0;                   ///< of this frame's steps [ms]
     unsigned _steps = 0;
     std::chrono::steady_clock::time_point _start;
 };

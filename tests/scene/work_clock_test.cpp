@@ -1,0 +1,47 @@
+#include "scene/WorkClock.h"
+
+#include "support/GlContext.h"
+
+#include <osg/GLExtensions>
+#include <osg/GLObjects>
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+using namespace osgTerrainLight;
+
+namespace
+{
+/// Queries that exist in the current context, of the first names, which drivers give out in order.
+int queriesThatExist(const osg::GLExtensions& gl)
+{
+    int count = 0;
+    for (GLuint name = 1; name <= 4096; ++name)
+        count += gl.glIsQuery(name) ? 1 : 0;
+    return count;
+}
+} // namespace
+
+// Expected: none of a clock that is gone, once its context has flushed what is gone.
+TEST(WorkClock, GivesItsQueriesBack)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    const auto* gl = state.get<osg::GLExtensions>();
+    if (!gl->isARBTimerQuerySupported)
+        GTEST_SKIP() << "no timer queries";
+    const int before = queriesThatExist(*gl);
+    auto clock = std::make_unique<WorkClock>();
+    for (int frame = 0; frame < 2; ++frame)
+    {
+        clock->begin(state);
+        for (int step = 0; step < 3; ++step)
+            clock->step(state, 100.0);
+    }
+    EXPECT_GE(queriesThatExist(*gl), before + 4);
+    clock.reset();
+    osg::flushAllDeletedGLObjects(state.getContextID());
+    EXPECT_EQ(queriesThatExist(*gl), before);
+    EXPECT_EQ(takeGlErrors(), "");
+}
