@@ -14,73 +14,80 @@
 namespace osgTerrainLight
 {
 
-/// Terrain whose heights may change in every frame: waves, erosion, craters. A grid with a vertex
-/// per post of a DemTile, moved to its heights in the vertex shader; lit, and lit anew when heights
-/// have changed, once it stands below a TerrainLighting and was given to its addTile().
+/// Terrain whose heights may change in every frame: waves, erosion, craters. It is a grid with a
+/// vertex per post of a DemTile, which the vertex shader moves to its height. It is lit, and lit
+/// anew when heights have changed, once it stands below a TerrainLighting and was given to its
+/// addTile().
 ///
-/// Frame: x east, y north [m] from the middle of the tile, z up [m above the tile's heightOrigin].
-/// A triangle with a void corner is not drawn, now void or from the start; a post that gets a
-/// height has triangles again. Needs OpenGL 3.3 with the compatibility profile to be drawn; without
-/// light it has its colours under a lamp at the eye. A picture in texture unit 0 of its StateSet is
-/// its colours, south-western post at (0, 0) and north-eastern at (1, 1); white where there is
-/// none. Intersections and what else reads vertices on the CPU find the heights that it was made
-/// with.
+/// Its frame has x east and y north [m] from the middle of the tile, and z up [m above the tile's
+/// heightOrigin]. A triangle is not drawn while one of its corners is void. Drawing needs
+/// OpenGL 3.3 with the compatibility profile. Without light the terrain shows its colours under a
+/// lamp at the eye. Its colours are the picture in texture unit 0 of its StateSet, with the
+/// south-western post at (0, 0) and the north-eastern post at (1, 1); it is white where there is no
+/// picture. Intersections, and all that reads vertices on the CPU, find the heights that the
+/// terrain was made with.
 ///
-/// Where a program is put on its StateSet, that one draws it: see createHeightShader().
+/// A program that is put on its StateSet draws it instead: see createHeightShader().
 ///
-/// Methods are called where the scene graph may be changed: in update and event traversal, or
+/// Call all methods where the scene graph may be changed: in the update or event traversal, or
 /// between frames.
 class OSGTERRAINLIGHT_EXPORT DynamicTerrain : public osg::Group
 {
 public:
-    /// Called in every update traversal, once per frame; must not throw. time: the frame's
-    /// simulation time [s]. heights: width × height values [m above heightOrigin], row 0 south, NaN
-    /// where void; as the last call left them, to be changed in place. What is not finite or beyond
-    /// ±1e6 m is void. Returns whether any has changed: where it is false, nothing is uploaded or
-    /// lit.
+    /// Changes the heights. It is called once per frame, in the update traversal, and must not
+    /// throw. time: the frame's simulation time [s]. heights: width × height values [m above
+    /// heightOrigin], row 0 in the south, NaN where void, as the last call left them; change them
+    /// in place. A height that is not finite or beyond ±1e6 m is void. Return whether any height
+    /// has changed: where none has, nothing is uploaded or lit.
     using HeightCallback = std::function<bool(double time, int width, int height, float* heights)>;
 
-    /// Texture unit of the heights where none is asked for.
+    /// The default texture unit of the heights.
     static constexpr unsigned heightUnit = 6;
-    /// sampler2D: the texture in it.
+    /// The name of the sampler2D that reads the heights.
     static constexpr const char* heightSampler = "osgTerrainLight_heights";
 
     DynamicTerrain();
-    /// Spacings and first heights are the tile's. Tiles of fewer than 2 × 2 posts draw nothing.
+    /// Spacings and first heights are those of the tile. A tile of fewer than 2 × 2 posts draws
+    /// nothing, and neither does one where DemTile::complaint() finds something wrong.
     explicit DynamicTerrain(const DemTile& tile);
-    /// A copy has the same tile, heights, callback, range and units, a mesh and a height texture of
-    /// its own, but the same texture of the host; it has not been added to a lighting.
+    /// A copy has the same tile, heights, callback, range and texture unit, the same texture of the
+    /// application, and a mesh and a height texture of its own. It has not been added to a
+    /// lighting.
     DynamicTerrain(const DynamicTerrain& other,
                    const osg::CopyOp& copyop = osg::CopyOp::SHALLOW_COPY);
     META_Node(osgTerrainLight, DynamicTerrain);
 
-    /// As it was made; never changes.
+    /// The tile that it was made with, which never changes.
     const DemTile& getTile() const;
 
-    /// Empty: heights stay as they are.
+    /// Sets what changes the heights. Without a callback they stay as they are.
     void setHeightCallback(HeightCallback callback);
 
-    /// Heights from a texture of the host, R32F, a texel per post, row 0 south [m above
-    /// heightOrigin], instead of the callback; null: the callback's again. They never come to the
-    /// CPU. Whoever writes it does so in each context, before a camera of render order PRE_RENDER
-    /// −1000 draws, and calls dirtyHeights() in the update of the frame. False, with a warning,
-    /// where size or format is another or the minifying filter uses mipmaps.
+    /// Takes the heights from a texture of the application instead of the callback; null gives them
+    /// back to the callback. The texture is R32F and has a texel per post, row 0 in the south [m
+    /// above heightOrigin]. Its heights never come to the CPU. Write it in each context, before a
+    /// camera of render order PRE_RENDER −1000 draws, and call dirtyHeights() in the update of that
+    /// frame. Returns false, with a warning, where the size or format is another, or the minifying
+    /// filter uses mipmaps.
     bool setHeightTexture(osg::Texture2D* texture);
 
-    /// The height texture's content has changed, or will have when the next frame is drawn.
+    /// Says that the content of the height texture has changed, or will have when the next frame is
+    /// drawn.
     void dirtyHeights();
 
-    /// Heights between which it is drawn [m above heightOrigin], lowest <= highest, for culling and
-    /// near and far plane. Without it: the range of all heights that it has had from tile and
-    /// callback; so a host with a texture gives it.
+    /// Sets the heights between which the terrain is drawn [m above heightOrigin], lowest <=
+    /// highest, for culling and for the near and far plane. The default is the range of all heights
+    /// that the tile and the callback have given, so call it where the heights come from a texture.
     void setHeightRange(float lowest, float highest);
 
-    /// Texture unit of the heights, for the vertex shader, 0 … 31. Default heightUnit.
-    /// TerrainLighting refuses terrain whose heights are in the unit of its shading.
+    /// Sets the texture unit of the heights, for the vertex shader, 0 … 31; the default is
+    /// heightUnit. A unit that has another texture is refused with a warning. TerrainLighting
+    /// refuses terrain whose heights are in the unit of its shading or of its gloss.
     void setHeightUnit(unsigned unit);
     unsigned getHeightUnit() const;
 
-    /// What the mesh and its lighting read: the host's texture, else one of ours.
+    /// The texture that the mesh and its lighting read: that of the application, else the terrain's
+    /// own.
     osg::Texture2D* getHeightTexture() const;
     /// Counts changes of heights.
     unsigned getHeightRevision() const;
@@ -103,8 +110,8 @@ private:
     std::unique_ptr<Implementation> _implementation;
 };
 
-/// terrain_heights.glsl as a shader that a host adds to its program and calls:
-/// vec2 terrainHeight(vec2 tileCoordinate), the height [m above heightOrigin] and whether it is
+/// Makes terrain_heights.glsl a shader that an application adds to its own program. It has
+/// vec2 terrainHeight(vec2 tileCoordinate): the height [m above heightOrigin], and whether it is
 /// void. version: of GLSL, as in #version, >= 330.
 OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Shader> createHeightShader(osg::Shader::Type type,
                                                                     int version = 330);

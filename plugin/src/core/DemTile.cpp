@@ -39,6 +39,26 @@ std::size_t DemTile::validCount() const
     return static_cast<std::size_t>(std::count(_valid.begin(), _valid.end(), std::uint8_t(1)));
 }
 
+std::string DemTile::complaint() const
+{
+    const auto isLegal = [](double spacing) { return std::isfinite(spacing) && spacing > 0.0; };
+    const auto height = static_cast<std::size_t>(_height);
+    if (_width < 1 || _height < 1)
+        return "tile has " + std::to_string(_width) + " x " + std::to_string(_height) +
+               " posts: needs at least one";
+    if (!isLegal(northSpacing))
+        return "northSpacing = " + std::to_string(northSpacing) + " m: needs more than 0";
+    if (eastSpacings.size() != 1 && eastSpacings.size() != height)
+        return "eastSpacings has " + std::to_string(eastSpacings.size()) +
+               " entries: needs 1, or one per row, " + std::to_string(height);
+    for (const double spacing : eastSpacings)
+        if (!isLegal(spacing))
+            return "eastSpacings has " + std::to_string(spacing) + " m: needs more than 0";
+    if (!std::isfinite(heightOrigin))
+        return "heightOrigin is not finite";
+    return {};
+}
+
 double DemTile::eastSpacing(int row) const
 {
     return eastSpacings.size() == 1 ? eastSpacings.front()

@@ -131,7 +131,11 @@ DynamicTerrain::~DynamicTerrain() = default;
 void DynamicTerrain::create()
 {
     setNumChildrenRequiringUpdateTraversal(getNumChildrenRequiringUpdateTraversal() + 1);
-    if (_implementation->tile.width() < 2 || _implementation->tile.height() < 2)
+    const DemTile& tile = _implementation->tile;
+    const std::string problem = tile.postCount() > 0 ? tile.complaint() : "";
+    if (!problem.empty())
+        warn("dynamic terrain draws nothing: " + problem);
+    if (!problem.empty() || tile.width() < 2 || tile.height() < 2)
         return;
     _implementation->heights = _implementation->tile.heights();
     for (std::size_t i = 0; i < _implementation->heights.size(); ++i)
@@ -189,8 +193,16 @@ void DynamicTerrain::setHeightUnit(unsigned unit)
         warn("height unit not set: needs 0 ... 31");
         return;
     }
+    if (unit == _implementation->unit)
+        return;
     osg::StateSet* stateSet = getStateSet();
-    if (stateSet && _implementation->own && unit != _implementation->unit)
+    if (stateSet && stateSet->getTextureAttribute(unit, osg::StateAttribute::TEXTURE))
+    {
+        warn("height unit not set: texture unit " + std::to_string(unit) +
+             " has another texture: needs a free one");
+        return;
+    }
+    if (stateSet && _implementation->own)
     {
         stateSet->removeTextureAttribute(_implementation->unit, osg::StateAttribute::TEXTURE);
         stateSet->setTextureAttribute(unit, getHeightTexture());
