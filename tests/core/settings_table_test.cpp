@@ -1,6 +1,7 @@
 #include "core/SettingsTable.h"
 
 #include "core/KeyLightText.h"
+#include <osgTerrainLight/Environment.h>
 
 #include <gtest/gtest.h>
 
@@ -198,6 +199,49 @@ TEST(Problems, AreFoundOneByOneAndTogether)
     ASSERT_EQ(found.size(), 1u);
     EXPECT_EQ(found[0].sentence.rfind("albedo + gloss = 1.1", 0), 0u) << found[0].sentence;
     EXPECT_FALSE(found[0].refused);
+}
+
+// Expected: by hand, from what SkyLight's members say they are for.
+TEST(Problems, OfSettingsOfAnotherSky)
+{
+    const LightingSettings settings;
+    const auto namesOf = [&](const SkyLight& sky)
+    {
+        std::string names;
+        for (const SettingsProblem& problem : problems(settings, sky))
+        {
+            EXPECT_FALSE(problem.refused);
+            EXPECT_EQ(problem.sentence.rfind(problem.setting + " has no effect with ", 0), 0u)
+                << problem.sentence;
+            names += problem.setting + " ";
+        }
+        return names;
+    };
+    SkyLight sky;
+    sky.turbidity = 5.0;
+    EXPECT_EQ(problems(settings, sky).front().sentence,
+              "turbidity has no effect with sky uniform: needs sky clear");
+    EXPECT_EQ(namesOf(sky), "turbidity ");
+    sky.skyModel = SkyModel::Clear;
+    EXPECT_EQ(namesOf(sky), "");
+    sky.skyRadiance = {1.0f, 1.0f, 1.0f};
+    EXPECT_EQ(namesOf(sky), "sky-radiance ");
+    sky.skyModel = SkyModel::Overcast;
+    sky.turbidity = 3.0;
+    EXPECT_EQ(namesOf(sky), "");
+    sky.environmentGain = 2.0;
+    sky.environmentHeading = 90.0;
+    EXPECT_EQ(namesOf(sky), "sky-heading sky-gain ");
+    std::string problem;
+    sky.environment = createEnvironment(2, 1, {{}, {}}, problem);
+    ASSERT_TRUE(sky.environment) << problem;
+    EXPECT_EQ(namesOf(sky), "sky-radiance sky-model ");
+    sky = SkyLight();
+    sky.skyHarmonics = {{1.0f, 1.0f, 1.0f}};
+    EXPECT_EQ(namesOf(sky), "");
+    sky.turbidity = 5.0;
+    sky.skyModel = SkyModel::Clear;
+    EXPECT_EQ(namesOf(sky), "turbidity sky-model ");
 }
 
 TEST(Problems, OfAChoiceByBudget)

@@ -12,7 +12,7 @@ class DemTile;
 struct SettingsChoice;
 struct SkyLight;
 
-/// How exactly horizons are computed; docs/measurements/ACCURACY.md has each one's error and cost.
+/// How exactly horizons are computed. docs/measurements/ACCURACY.md has the error and cost of each.
 enum class HorizonQuality
 {
     Draft,
@@ -21,86 +21,88 @@ enum class HorizonQuality
 };
 
 OSGTERRAINLIGHT_EXPORT const char* toString(HorizonQuality quality);
-/// False where the text is none of draft, normal, best; quality is then unchanged.
+/// Returns false where the text is none of draft, normal, best; quality is then unchanged.
 OSGTERRAINLIGHT_EXPORT bool fromString(const std::string& text, HorizonQuality& quality);
 
-/// How bounces are computed and, with Legendre, direct light too; docs/methods/legendre.md compares
-/// them.
+/// How bounces are computed. The Legendre methods compute direct light, too.
+/// docs/methods/legendre.md compares the methods.
 enum class BounceMethod
 {
-    Slices, ///< each segment of terrain exactly: the cheapest way to a given error
-    /// All light as Nowrouzezahrai and Snyder 2009, also with no bounces: spherical harmonics of
-    /// order 4 from a pyramid of heights. No horizon map and no sweep; the sun is a key light.
+    Slices, ///< Each segment of terrain counts exactly: the cheapest way to a given error.
+    /// All light is computed as by Nowrouzezahrai and Snyder 2009, also without bounces: in
+    /// spherical harmonics of order 4 from a pyramid of heights. There is no horizon map, and the
+    /// sun is a key light.
     Legendre,
-    LegendreBSpline ///< the same, azimuths joined by B-splines instead of linearly
+    LegendreBSpline ///< The same, with azimuths joined by B-splines instead of linearly.
 };
 
 OSGTERRAINLIGHT_EXPORT const char* toString(BounceMethod method);
-/// False where the text is none of slices, legendre, legendre-bspline; method is then unchanged.
+/// Returns false where the text is none of slices, legendre, legendre-bspline; method is then
+/// unchanged.
 OSGTERRAINLIGHT_EXPORT bool fromString(const std::string& text, BounceMethod& method);
 
-/// How glossy light gets from terrain to terrain (Nowrouzezahrai and Snyder 2009, section 5.3);
+/// How mirrored light reaches other slopes (Nowrouzezahrai and Snyder 2009, section 5.3).
 /// docs/methods/gloss.md compares the two.
 enum class GlossTransfer
 {
-    Vector, ///< as a function of direction, within spherical harmonics of order 4
-    Scalar  ///< what one viewer would see of it: less work, and right for that direction alone
+    Vector, ///< As a function of the direction, in spherical harmonics of order 4.
+    Scalar  ///< As one viewer sees it: this is less work, and right for one direction only.
 };
 
 OSGTERRAINLIGHT_EXPORT const char* toString(GlossTransfer transfer);
-/// False where the text is none of vector, scalar; transfer is then unchanged.
+/// Returns false where the text is none of vector, scalar; transfer is then unchanged.
 OSGTERRAINLIGHT_EXPORT bool fromString(const std::string& text, GlossTransfer& transfer);
 
-/// Every parameter of the lighting computation that is not the light itself: plain data.
+/// All parameters of the computation, without the light itself, as plain values.
 struct OSGTERRAINLIGHT_EXPORT LightingSettings
 {
-    /// Azimuths of the horizon map: a multiple of 4, 4 … 256.
+    /// Number of azimuths of the horizon map: a multiple of 4, 4 … 256.
     int azimuths = 32;
     HorizonQuality quality = HorizonQuality::Normal;
-    /// Diffuse bounces of light from terrain to terrain: 0 … 8.
+    /// Number of bounces of diffuse light between slopes, 0 … 8.
     int bounces = 0;
     BounceMethod bounceMethod = BounceMethod::Slices;
-    /// Terrain farther than two posts is looked at from every 1st, 2nd or 4th post in both
-    /// directions; what is nearer, normals and horizons are each post's own. A bounce then takes a
-    /// third or a sixth of the time (docs/methods/bounces.md has errors and memory). With Legendre
-    /// all light, direct light too, is gathered there and shaded with all posts' normals. Gloss is
-    /// not thinned out.
+    /// Bounced light from terrain that is farther than two posts is computed at every 1st, 2nd or
+    /// 4th post in both directions only. Nearer terrain, normals and horizons are those of each
+    /// post. A bounce takes a third or a sixth of the time (docs/methods/bounces.md has errors and
+    /// memory). With the Legendre methods this is so for all light, direct light, too. Gloss is
+    /// computed at every post.
     int subsampling = 1;
-    /// While only light changes, bounces are computed in every n-th update, 1 … 16, and those of
-    /// the last time are added to new direct light in between (Nowrouzezahrai and Snyder 2009,
-    /// section 7). Anything else that changes brings new ones at once, and so does light that
-    /// stands still for one update: what stays is exact.
+    /// While only the light changes, bounces are computed in every n-th update, 1 … 16; between
+    /// these, the last bounces are added to new direct light (Nowrouzezahrai and Snyder 2009,
+    /// section 7). If anything else changes, or if the light stands still for one update, bounces
+    /// are computed at once: the result of a still scene is exact.
     int bounceInterval = 1;
-    /// What the ground reflects of the light it receives, 0 … 1 per channel, where a tile has no
-    /// albedo of its own.
+    /// Part of the light that the ground reflects, 0 … 1 per channel, where a tile has no albedo of
+    /// its own.
     std::array<float, 3> albedo = {0.5f, 0.5f, 0.5f};
-    /// What the ground mirrors, 0 … 1: it sends towards a viewer gloss · ∫ lobe · light besides
-    /// albedo · irradiance / π, with the Phong lobe (s + 1) / 2π cosˢ about the mirror direction, s
-    /// = glossExponent, 1 … 64. 0: nothing is computed and nothing kept for it. With a BounceMethod
-    /// other than Slices it has no effect. Neither it nor albedo is cut where their sum is more
-    /// than 1: such ground sends more than it receives, and bounces need not converge. Per post:
-    /// TerrainLighting::setGlossLayer(). docs/methods/gloss.md has memory and errors.
+    /// Part of the light that the ground mirrors, 0 … 1. The ground sends gloss · ∫ lobe · light
+    /// towards a viewer, besides albedo · irradiance / π. The lobe is the Phong lobe (s + 1) / 2π
+    /// cosˢ about the mirror direction, with s = glossExponent, 1 … 64. With 0, gloss costs neither
+    /// time nor memory. It has no effect with a BounceMethod other than Slices. Where gloss and
+    /// albedo add up to more than 1, the ground sends more light than it receives, and bounces may
+    /// not converge. TerrainLighting::setGlossLayer() sets gloss per post. docs/methods/gloss.md
+    /// has memory and errors.
     double gloss = 0.0;
     double glossExponent = 8.0;
     GlossTransfer glossTransfer = GlossTransfer::Vector;
-    /// Direction of the viewer for GlossTransfer::Scalar: east, north, up, any length but 0.
+    /// Direction towards the viewer of GlossTransfer::Scalar: east, north, up, of any length but 0.
     std::array<double, 3> glossViewer = {0.0, 0.0, 1.0};
-    /// Radius of the planet [m], 1e3 … 1e12; 0: terrain is flat. Over a distance d from the middle
-    /// of the tile its ground sinks by d² / 2 radius below the plane there, and with it what is
-    /// seen and shadowed. Earth: 6 371 000; light in its air bends as if it had 7 323 000 (R / (1 −
-    /// 0.13)).
+    /// Radius of the planet [m], 1e3 … 1e12; 0 is a flat world. Distant terrain is lowered by the
+    /// curvature: at a distance d from the middle of the tile, by d² / 2 radius. The radius of the
+    /// Earth is 6 371 000; 7 323 000 (R / (1 − 0.13)) includes the refraction of its air.
     double bodyRadius = 0.0;
-    /// Multiplies the colour before it is encoded to sRGB, in the default program and in PNG
-    /// output: 2^exposure. Stops, −20 … 20.
+    /// Brightness in stops, −20 … 20: the default program and pictures of the tool multiply colours
+    /// by 2^exposure before they encode them to sRGB.
     double exposure = 0.0;
 
-    /// The cheapest settings whose error on this terrain, under this light, is measured to be at
-    /// most maxError (> 0), and the most exact ones within a time per lighting of the whole tile
+    /// Finds the cheapest settings whose error on this terrain, under this light, is measured to be
+    /// at most maxError (> 0), or the most exact settings that light the whole tile within a time
     /// (milliseconds > 0). SettingsChoice says what is measured and promised.
     ///
-    /// They measure in an OpenGL context of their own, which they make current on the calling
-    /// thread: call them where none is current. It takes about as long as lighting the tile a few
-    /// times, so choose once for a kind of terrain, not per tile or frame.
+    /// Both functions measure in an OpenGL context of their own, which they make current on the
+    /// calling thread. Call them where no context is current. They take as long as lighting the
+    /// tile a few times, so choose once for a kind of terrain, not per tile or frame.
     static SettingsChoice forMaxError(double maxError, const DemTile& tile, const SkyLight& sky);
     static SettingsChoice forFrameTime(double milliseconds, const DemTile& tile,
                                        const SkyLight& sky);
@@ -112,27 +114,27 @@ inline bool operator!=(const LightingSettings& a, const LightingSettings& b)
     return !(a == b);
 }
 
-/// Settings chosen by measurement.
+/// Settings that were chosen by measurement.
 ///
-/// Error is the root mean square, over posts, of the difference in luminance between the shading
-/// and that of exhaustive horizons, over the root mean square of the shading: 0.01 is one per cent.
-/// It is measured at random posts; `error` is the upper end of its one-sided 95 % confidence
-/// interval. So of many terrains, at least 95 % keep what forMaxError was asked for (tests/scene/
-/// settings_choice_test.cpp holds it on terrain that the choice never saw).
+/// The error is the root mean square, over posts, of the difference in luminance between the
+/// shading and that of exhaustive horizons, divided by the root mean square of the shading: 0.01 is
+/// one per cent. It is measured at random posts. `error` is the upper end of its one-sided 95 %
+/// confidence interval, so at least 95 % of many terrains keep the error that forMaxError() was
+/// asked for (tests/scene/settings_choice_test.cpp tests this on other terrain).
 struct OSGTERRAINLIGHT_EXPORT SettingsChoice
 {
     LightingSettings settings;
     double error = 0.0;
-    /// GPU time of one lighting of the tile, median of 3.
+    /// GPU time of lighting the tile once [ms], the median of 3.
     double milliseconds = 0.0;
-    /// False: nothing reaches what was asked; the settings are the ones that come closest.
+    /// False where no settings reach what was asked; the settings are then those that come closest.
     bool met = false;
-    /// Not empty: why nothing could be measured; the settings are then the defaults.
+    /// Says why nothing could be measured; the settings are then the defaults. Else it is empty.
     std::string failure;
 };
 
-/// One numeric parameter's name, unit and legal range, from the table that parser, setters and
-/// documentation share.
+/// The name, unit and legal range of a numeric parameter, from the table that the parsers, the
+/// setters and the documentation share.
 struct OSGTERRAINLIGHT_EXPORT ParameterRange
 {
     std::string name;
@@ -141,8 +143,9 @@ struct OSGTERRAINLIGHT_EXPORT ParameterRange
     double maximum = 0.0;
     std::string meaning;
 
-    /// By the name that docs/TOOL.md has after "--", such as "sun-elevation"; all() has every name.
-    /// Null where there is no such parameter.
+    /// Finds a parameter by its name, such as "sun-elevation": the key of a map
+    /// (docs/EARTH_FILE.md) with '-' for '_'. all() has every name. Null where there is no such
+    /// parameter.
     static const ParameterRange* find(const std::string& name);
     static const std::vector<ParameterRange>& all();
 
@@ -151,24 +154,30 @@ struct OSGTERRAINLIGHT_EXPORT ParameterRange
     std::string complaint(double value) const;
 };
 
-/// Something wrong with settings and light.
+/// Something that is wrong with settings and light.
 struct SettingsProblem
 {
     std::string sentence;
-    /// True: they are refused. False: they are taken, and do not do all that they seem to ask for.
+    /// True where the values are refused. False where they are taken, but do not do all that they
+    /// seem to ask for.
     bool refused = true;
+    /// Name of the setting that the sentence is about, as in ParameterRange; empty where a value is
+    /// beyond its range.
+    std::string setting;
 };
 
 /// What settings are meant for.
 enum class SettingsUse
 {
     Lighting,
-    Choice ///< other settings are chosen from them by a budget: forMaxError(), forFrameTime()
+    Choice ///< A budget chooses other settings from them: forMaxError(), forFrameTime().
 };
 
-/// All that is wrong with settings and light, each by itself and together: values beyond their
-/// range, and combinations that are refused or without effect. Empty where nothing is. The tool,
-/// maps and TerrainLighting's setters say the same.
+/// Finds all that is wrong with settings and light, each by itself and together: values beyond
+/// their range, settings that have no effect beside the others, and combinations that are refused.
+/// Empty where nothing is wrong. TerrainLighting's setters give these sentences as warnings, each
+/// once as long as it holds; so do maps, saved scenes and the tool. The tool refuses an option that
+/// has no effect.
 OSGTERRAINLIGHT_EXPORT std::vector<SettingsProblem>
 problems(const LightingSettings& settings, const SkyLight& sky,
          SettingsUse use = SettingsUse::Lighting);

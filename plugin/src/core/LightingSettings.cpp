@@ -98,33 +98,75 @@ std::string ParameterRange::complaint(double value) const
     return row ? row->complaint(value) : "";
 }
 
+std::vector<IdleSetting> idleSettings(const LightingSettings& settings)
+{
+    if (settings.bounceMethod == BounceMethod::Slices)
+        return {};
+    return {{"gloss", std::string("gloss has no effect with bounce method ") +
+                          toString(settings.bounceMethod) + ": needs slices"}};
+}
+
+std::vector<IdleSetting> idleSettings(const SkyLight& sky)
+{
+    std::vector<IdleSetting> idle;
+    const bool ofFile = sky.environment != nullptr;
+    const bool ofHarmonics = !ofFile && !sky.skyHarmonics.empty();
+    const bool ofModel = !ofFile && !ofHarmonics;
+    const bool clear = ofModel && sky.skyModel == SkyModel::Clear;
+    const std::string kind = ofFile        ? "a sky from a file"
+                             : ofHarmonics ? "sky-harmonics"
+                                           : std::string("sky ") + toString(sky.skyModel);
+    const auto addIf = [&](bool condition, const char* name, const char* needs)
+    {
+        if (condition)
+            idle.push_back(
+                {name, std::string(name) + " has no effect with " + kind + ": needs " + needs});
+    };
+    addIf(!clear, "turbidity", "sky clear");
+    addIf(!ofFile, "sky-heading", "a sky from a file");
+    addIf(!ofFile, "sky-gain", "a sky from a file");
+    addIf(!ofModel || clear, "sky-radiance", "sky uniform or overcast");
+    addIf(!ofModel, "sky-model", "a sky that is neither from a file nor sky-harmonics");
+    addIf(ofFile, "sky-harmonics", "a sky that is not from a file");
+    return idle;
+}
+
+namespace
+{
+/// Those that have no effect and are not the default.
+template <class Owner>
+void addIdle(std::vector<SettingsProblem>& found, const Owner& owner)
+{
+    for (const IdleSetting& idle : idleSettings(owner))
+        if (!findSetting<Owner>(idle.name)->same(owner, Owner()))
+            found.push_back({idle.sentence, false, idle.name});
+}
+} // namespace
+
 std::vector<SettingsProblem> problems(const LightingSettings& settings, const SkyLight& sky,
                                       SettingsUse use)
 {
     std::vector<SettingsProblem> found;
     for (const std::string& wrong : {complaint(settings), complaint(sky)})
         if (!wrong.empty())
-            found.push_back({wrong, true});
+            found.push_back({wrong, true, ""});
+    addIdle(found, settings);
+    addIdle(found, sky);
     const bool slices = settings.bounceMethod == BounceMethod::Slices;
-    if (settings.gloss > 0.0 && !slices)
-        found.push_back({std::string("gloss has no effect with bounce method ") +
-                             toString(settings.bounceMethod) + ": needs slices",
-                         false});
     const float albedo = *std::max_element(settings.albedo.begin(), settings.albedo.end());
-    if (settings.bounces > 0 && static_cast<double>(albedo) + settings.gloss > 1.0)
-        found.push_back(
-            {"albedo + gloss = " +
-                 numberText(static_cast<float>(static_cast<double>(albedo) + settings.gloss)) +
-                 ": ground that sends more light than it receives; needs at most 1",
-             false});
+    const double sent = static_cast<double>(albedo) + settings.gloss;
+    if (settings.bounces > 0 && sent > 1.0)
+        found.push_back({"albedo + gloss = " + numberText(static_cast<float>(sent)) +
+                             ": ground that sends more light than it receives; needs at most 1",
+                         false, "albedo"});
     if (use == SettingsUse::Choice && !slices)
         found.push_back({std::string("settings can be chosen for bounce method slices only, not ") +
                              toString(settings.bounceMethod),
-                         true});
+                         true, "bounce-method"});
     if (use == SettingsUse::Choice && (skyHasTable(sky) || !sky.keyLights.empty()))
         found.push_back({"settings can be chosen for a uniform sky and a sun only: needs neither "
                          "another sky nor key lights",
-                         true});
+                         true, "sky-model"});
     return found;
 }
 

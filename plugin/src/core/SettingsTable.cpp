@@ -111,8 +111,8 @@ ValueForm list(Kind kind)
     return {kind, 0.0, 0.0, "", 0, false, {}};
 }
 
-/// Where else than in code a setting can be set: a map's key and a reader option, the tool's
-/// option, both, or neither (saved scenes have all).
+/// Where else than in code a setting can be set by its name: a map's key and a reader option, the
+/// tool's option, both, or neither (saved scenes have all).
 enum class By
 {
     Both,
@@ -231,9 +231,9 @@ const std::vector<Setting<SkyLight>>& settingsOf()
     using I = Invalidation;
     static const std::vector<Setting<S>> table = {
         row("sun-azimuth", &S::sunAzimuth, real(-360, 720, "degrees"), Topic::Sun,
-            I::SunPlace | I::Light, "Azimuth of the sun, clockwise from north."),
+            I::SunPlace | I::Light, "Azimuth of the sun, clockwise from north.", By::Key),
         row("sun-elevation", &S::sunElevation, real(-90, 90, "degrees"), Topic::Sun,
-            I::SunPlace | I::Light, "Elevation of the sun above the horizontal."),
+            I::SunPlace | I::Light, "Elevation of the sun above the horizontal.", By::Key),
         row("sun-radius", &S::sunAngularRadius, real(0.01, 10, "degrees"), Topic::Sun,
             I::SunPlace | I::Light, "Angular radius of the sun's disc."),
         row("sun-irradiance", &S::sunIrradiance, three(0, 1e6), Topic::Sun, I::Light,
@@ -257,7 +257,7 @@ const std::vector<Setting<SkyLight>>& settingsOf()
             I::SkyShape | I::Light,
             "Radiance of the sky in real spherical harmonics, instead of a sky model."),
         row("key-lights", &S::keyLights, list(Kind::KeyLights), Topic::KeyLights,
-            I::Keys | I::Light, "Area lights at infinity, up to eight."),
+            I::Keys | I::Light, "Area lights at infinity, up to eight.", By::Key),
     };
     return table;
 }

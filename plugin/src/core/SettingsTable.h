@@ -52,6 +52,17 @@ const Setting<Owner>* findSetting(const std::string& name)
 Invalidation changed(const LightingSettings& a, const LightingSettings& b);
 Invalidation changed(const SkyLight& a, const SkyLight& b);
 
+/// A setting that changes nothing beside the others, whatever its value, and a sentence why.
+struct IdleSetting
+{
+    std::string name; ///< of the row
+    std::string sentence;
+};
+/// Gloss, with a method that has none.
+std::vector<IdleSetting> idleSettings(const LightingSettings& settings);
+/// What is of another kind of sky.
+std::vector<IdleSetting> idleSettings(const SkyLight& sky);
+
 /// Empty where every value is legal; else a sentence that names the first that is not.
 std::string complaint(const SkyLight& sky);
 std::string complaint(const LightingSettings& settings);
