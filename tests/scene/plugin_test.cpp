@@ -113,6 +113,17 @@ TEST(Plugin, TakesOptions)
     EXPECT_FALSE(lightingOf(off)->getLightEnabled());
 }
 
+// Expected: the sentences of problems(), each once.
+TEST(Plugin, SaysWhatHasNoEffect)
+{
+    Said said;
+    auto lit = read(dem + ".terrainlight", "turbidity=5 sky_gain=2 bounces=1 albedo=0.9 gloss=0.5");
+    ASSERT_TRUE(lightingOf(lit)) << lit.message();
+    for (const char* sentence : {"turbidity has no effect with sky uniform",
+                                 "sky-gain has no effect with sky uniform", "albedo + gloss = 1.4"})
+        EXPECT_EQ(said.count(sentence), 1) << said.text();
+}
+
 TEST(Plugin, TakesSkies)
 {
     const Folder folder;

@@ -317,6 +317,38 @@ TEST(TerrainLighting, GlossWithAMethodThatHasNoneIsSaidOnce)
     EXPECT_EQ(said.count("gloss has no effect with bounce method legendre: needs slices"), 1);
 }
 
+// Expected: the sentences of problems(), each when it begins to hold.
+TEST(TerrainLighting, WhatDoesNotDoAllThatItSeemsToIsSaidOnce)
+{
+    Said said;
+    osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
+    LightingSettings settings;
+    settings.bounces = 1;
+    settings.albedo = {0.9f, 0.9f, 0.9f};
+    settings.gloss = 0.5;
+    lighting->setSettings(settings);
+    settings.gloss = 0.6;
+    lighting->setSettings(settings);
+    EXPECT_EQ(said.count("albedo + gloss = 1.4: ground that sends more light"), 1) << said.text();
+    EXPECT_EQ(said.count("albedo + gloss"), 1) << said.text();
+    SkyLight sky;
+    sky.turbidity = 5.0;
+    sky.environmentGain = 2.0;
+    for (int round = 0; round < 3; ++round)
+    {
+        sky.sunAzimuth += 10.0;
+        lighting->setSkyLight(sky);
+    }
+    EXPECT_EQ(said.count("turbidity has no effect with sky uniform: needs sky clear"), 1);
+    EXPECT_EQ(said.count("sky-gain has no effect with sky uniform: needs a sky from a file"), 1);
+    EXPECT_EQ(lighting->getSkyLight().turbidity, 5.0) << "taken all the same";
+    sky.skyModel = SkyModel::Clear;
+    lighting->setSkyLight(sky);
+    sky.skyModel = SkyModel::Uniform;
+    lighting->setSkyLight(sky);
+    EXPECT_EQ(said.count("turbidity has no effect"), 2) << "again after it had some";
+}
+
 // Expected: ground in the dark is black, with gloss too, in the default program and in a host's
 // that reads gloss. The host's shows the shading besides, in blue, so that it is seen to be drawn.
 TEST(TerrainLighting, GlossyGroundWithoutLightIsBlack)

@@ -109,15 +109,21 @@ TEST(TileFinder, ATileInTwoPlacesCountsInTheFirst)
     EXPECT_EQ(scene.update(), Said{"went a"});
 }
 
+// Expected: a program without shaders, as a copy of a lit scene has it, counts as none.
 TEST(TileFinder, SeesProgramsAbove)
 {
     Scene scene;
-    const osg::ref_ptr<osg::Group> group = new osg::Group;
-    group->getOrCreateStateSet()->setAttribute(new osg::Program);
+    const osg::ref_ptr<osg::Group> group = new osg::Group, empty = new osg::Group;
+    const osg::ref_ptr<osg::Program> program = new osg::Program;
+    program->addShader(new osg::Shader(osg::Shader::VERTEX));
+    group->getOrCreateStateSet()->setAttribute(program);
     group->addChild(tileNamed("a"));
     scene.root->addChild(group);
     scene.root->addChild(tileNamed("b"));
-    EXPECT_EQ(scene.update(), (Said{"came a 0 program", "came b 0"}));
+    empty->getOrCreateStateSet()->setAttribute(new osg::Program);
+    empty->addChild(tileNamed("c"));
+    scene.root->addChild(empty);
+    EXPECT_EQ(scene.update(), (Said{"came a 0 program", "came b 0", "came c 0"}));
 }
 
 // Expected: the nodes on the path to what has changed, and none where nothing has.

@@ -29,136 +29,155 @@ namespace osgTerrainLight
 class DynamicTerrain;
 class LightProbe;
 
-/// Lights the terrain below it: every osgTerrain::TerrainTile, those that are added or paged in
-/// later too, and what addTile() is given.
+/// Lights the terrain below it: every osgTerrain::TerrainTile, also those that are added or paged
+/// in later, and the terrain that addTile() is given.
 ///
-/// Heights are metres above the horizontal plane of the tile; x is east and y north (geocentric
-/// tiles: of the place). Light is computed in the draw traversal, before the first tile is drawn,
-/// and only where sun, sky, settings or heights have changed. Needs OpenGL 4.3; in an older context
-/// one warning is given and the terrain is drawn as if this node were a plain group.
+/// Heights are metres above the horizontal plane of the tile; x is east and y is north (for a
+/// geocentric tile, east and north at its place). The node computes light in the draw traversal,
+/// before the first tile is drawn, and only where the sun, the sky, the settings or the heights
+/// have changed. It needs OpenGL 4.3. In an older context it gives one warning, and the terrain is
+/// drawn as if this node were a plain group.
 ///
-/// Methods are called where the scene graph may be changed: in update and event traversal, or
+/// Call all methods where the scene graph may be changed: in the update or event traversal, or
 /// between frames.
 class OSGTERRAINLIGHT_EXPORT TerrainLighting : public osg::Group
 {
 public:
     TerrainLighting();
     /// A copy has the same light, place, time, settings, budget, texture units, gloss layer and
-    /// switches, and the children that copyop gives it. Tiles that it finds below get light of its
-    /// own. Tiles of addTile(), probes and counts are not copied, nor, as of any node, event
-    /// callbacks.
+    /// switches, and the children that copyop gives it. Terrain tiles that are copied with it get
+    /// light of their own. A terrain tile that stands below both lightings (SHALLOW_COPY) keeps the
+    /// light of the original; the copy gives a warning, and lights the tile once the original has
+    /// let it go. Tiles of addTile(), probes, counts and event callbacks are not copied.
     TerrainLighting(const TerrainLighting& other,
                     const osg::CopyOp& copyop = osg::CopyOp::SHALLOW_COPY);
     META_Node(osgTerrainLight, TerrainLighting);
 
-    /// Values outside the ranges of ParameterRange are refused with one warning.
+    /// Sets the light above the terrain. Values outside the ranges of ParameterRange are refused
+    /// with one warning. What has no effect is taken with one warning: see problems().
     void setSkyLight(const SkyLight& sky);
     const SkyLight& getSkyLight() const;
 
-    /// Where the terrain lies on Earth; setTime() and the keys that run the day need it. Refused,
-    /// with a warning, where a value is out of its range.
+    /// Sets where the terrain lies on Earth. setTime() and the keys that run the day need it. A
+    /// value outside its range is refused with a warning.
     void setPlace(const EarthPlace& place);
     const std::optional<EarthPlace>& getPlace() const;
-    /// Sets the sun's azimuth and elevation by time. Nothing, with a warning, where no place is
-    /// set.
+    /// Sets the sun's azimuth and elevation by time. Without a place it gives a warning and changes
+    /// nothing.
     void setTime(UtcTime time);
-    /// Of the sun as it stands; none once setSkyLight() has moved it.
+    /// The time that setTime() has set. It is empty once setSkyLight() has moved the sun.
     const std::optional<UtcTime>& getTime() const;
 
-    /// Exposure takes effect in the default program only.
+    /// Sets how light is computed. Values are refused, or taken with a warning, as in
+    /// setSkyLight(). The exposure has an effect in the default program only.
     void setSettings(const LightingSettings& settings);
     const LightingSettings& getSettings() const;
 
-    /// Off: the terrain is drawn as if this node were a plain group. Default on.
+    /// Switches the light. While it is off, the terrain is drawn as if this node were a plain
+    /// group. The default is on.
     void setLightEnabled(bool enabled);
     bool getLightEnabled() const;
 
-    /// Time per frame and graphics context in which tiles are computed [ms]. The tile that is
-    /// largest on the screen comes first. A frame exceeds its time by one step of a tile's work at
-    /// most (a horizon map, a bounce), and does one at least; on hardware, times of earlier steps
-    /// tell what to expect of the next. 0: everything in one frame. A tile that waits is drawn as
-    /// if this node were a plain group, or with its light as it was. Default 50.
+    /// Sets the time that is spent on light per frame and graphics context [ms], 0 … 1e9. The
+    /// default is 50; 0 computes everything in one frame. The tile that is largest on the screen
+    /// comes first. A frame does at least one step of a tile's work (a horizon map, a bounce), and
+    /// exceeds its time by at most one step. A tile that waits is drawn with the light that it has,
+    /// or as if this node were a plain group.
     void setTimeBudget(double milliseconds);
     double getTimeBudget() const;
 
-    /// Of the shading texture, 0 … 31. Where the ground is glossy, that of gloss is refused with a
-    /// warning. Tiles that are lit already keep theirs.
+    /// Sets the texture unit of the shading texture, 0 … 31; the default is
+    /// ShadingTexture::defaultUnit. Tiles that are lit already keep theirs. Other units are refused
+    /// with a warning, and so is the unit of gloss where some of the ground may be glossy.
     void setTextureUnit(unsigned unit);
     unsigned getTextureUnit() const;
-    /// Of light sent by gloss, 0 … 31. Default ShadingTexture::glossUnit. Refused, with a warning,
-    /// where some of the ground may be glossy already.
+    /// Sets the texture unit of the light sent by gloss, 0 … 31; the default is
+    /// ShadingTexture::glossUnit. Other units are refused with a warning, and so is a unit that has
+    /// shading or heights, and every change where some of the ground may be glossy already.
     void setGlossUnit(unsigned unit);
     unsigned getGlossUnit() const;
 
-    /// The colour layer of terrain tiles, 1 … 4, that holds gloss per texel instead of the
-    /// settings': a picture over the tile's whole extent, its values linear, bytes too; red =
-    /// gloss, 0 … 1, green = exponent / 64. Tiles that have no such layer keep the settings'.
-    /// −1, the default: no layer. Others are refused with a warning.
+    /// Sets which colour layer of terrain tiles holds gloss per texel, 1 … 4; −1, the default, is
+    /// none. Other numbers are refused with a warning. The layer is a picture over the tile's whole
+    /// extent with linear values, also where they are bytes: red is the gloss, 0 … 1, and green is
+    /// the exponent / 64. Tiles without such a layer have the gloss of the settings.
     void setGlossLayer(int layer);
     int getGlossLayer() const;
 
-    /// Whether tiles below that have no shaders, neither of their own nor from above, get a program
-    /// that multiplies their colour layer 0 (white where there is none), exposes and encodes to
-    /// sRGB. Default true. Tiles that are lit already stay as they are.
+    /// Sets whether tiles without shaders, of their own or from above, get the default program. It
+    /// multiplies the light by colour layer 0 (by white where there is none) and by the exposure,
+    /// and encodes the result to sRGB. The default is true. Tiles that are lit already stay as they
+    /// are.
     void setDefaultProgramEnabled(bool enabled);
     bool getDefaultProgramEnabled() const;
 
-    /// Lights a host's own terrain, drawn below this node with `stateSet`. program: whether the
-    /// default program is put on it as well; else the host's shaders read the texture. name: the
-    /// handle that it gets, of a level, x and y; by default a number. No handle, with a warning,
-    /// where the tile has no post, the StateSet is another tile's or the name is taken. The
-    /// StateSet is made osg::Object::DYNAMIC; one that was drawn in the last frame must have been
-    /// so already.
+    /// Lights an application's own terrain, which is drawn below this node with `stateSet`.
+    /// program: true puts the default program on the StateSet as well; else the application's
+    /// shaders read the texture. name: the handle that the tile gets, with level, x and y; by
+    /// default it gets a number. Returns no handle, with a warning, where DemTile::complaint()
+    /// finds something wrong, the StateSet is another tile's, or another tile has the name. The
+    /// StateSet becomes osg::Object::DYNAMIC. If it was drawn in the last frame, it must have been
+    /// so before.
     TileHandle addTile(const DemTile& tile, osg::StateSet* stateSet,
                        const ShadingCoordinates& coordinates = {}, bool program = false,
                        const TileHandle& name = {});
-    /// Lights terrain whose heights change, drawn below this node; anew when they have. Where a
-    /// program was put on its StateSet, that one draws it.
+    /// Lights terrain whose heights change, which is drawn below this node, and lights it anew when
+    /// they have changed. A program that was put on its StateSet draws it instead of the default
+    /// one. Returns no handle, with a warning, as above, and where the heights are in a texture
+    /// unit that the light needs.
     TileHandle addTile(DynamicTerrain* terrain, const TileHandle& name = {});
-    /// Leaves the StateSet as addTile() found it, a few updates later: frames that are still being
-    /// drawn use it. False where the tile was not added.
+    /// Takes the light off a tile that addTile() was given. Its StateSet becomes what it was
+    /// before, a few updates later, since frames that are still being drawn use it. Returns false
+    /// where there is no such tile.
     bool removeTile(const TileHandle& tile);
 
-    // Of tiles that addTile() was given: a value per post, row 0 south. False, with a warning,
-    // where the tile was not added, there are not as many values as posts, or some are beyond their
-    // range.
+    // The next three set a value per post of a tile that addTile() was given, row 0 in the south.
+    // They return false, with a warning, where there is no such tile, the number of values is not
+    // that of the posts, or a value is beyond its range.
 
-    /// All heights anew [m above the heightOrigin of its DemTile]; not finite or beyond ±1e6 m:
-    /// void. Not of a DynamicTerrain, which has a callback.
+    /// Sets all heights [m above the heightOrigin of the DemTile]. A height that is not finite or
+    /// beyond ±1e6 m is void. A DynamicTerrain is refused: it has a callback.
     bool setTileHeights(const TileHandle& tile, const std::vector<float>& heights);
-    /// 0 … 1 per channel, instead of the settings'; empty: theirs again.
+    /// Sets the albedo, 0 … 1 per channel, which takes the place of the settings' albedo. An empty
+    /// vector gives that one back.
     bool setTileAlbedo(const TileHandle& tile, const std::vector<Rgb>& albedo);
-    /// Gloss, 0 … 1, and exponent, 1 … 64, instead of the settings'; empty: theirs again.
+    /// Sets gloss, 0 … 1, and exponent, 1 … 64, which take the place of the settings' values. An
+    /// empty vector gives those back.
     bool setTileGloss(const TileHandle& tile, const std::vector<std::array<float, 2>>& gloss);
 
-    /// The handle of a terrain tile that is or will be found below: by its TileID, that is
-    /// TileHandle::at(level, x, y), unless another tile has that; else by a number, the same as
-    /// long as the terrain tile lives. None for null.
+    /// The handle of a terrain tile that is found below, or will be. It is made from the TileID, as
+    /// TileHandle::at(level, x, y), unless another tile has that name; then it is a number. It is
+    /// the same as long as the terrain tile lives, and addTile() gives it to no other tile. Null
+    /// has no handle.
     TileHandle getTileHandle(osgTerrain::TerrainTile* tile);
-    /// Of all tiles that have been added or found.
+    /// The handles of all tiles that have been added or found.
     std::vector<TileHandle> getTileHandles() const;
     TileState getTileState(const TileHandle& tile) const;
 
-    /// Computes the light at a probe's place on a tile, which may not be there yet, and may go and
-    /// come again. False, with a warning, where the handle names none, or the probe has been added.
+    /// Computes the light at a probe's place on a tile. The tile need not be there yet, and may go
+    /// and come again. Returns false, with a warning, where the handle names no tile, or the probe
+    /// has been added already.
     bool addProbe(LightProbe* probe, const TileHandle& tile);
-    /// Its maps keep the light that they have.
+    /// Computes the light at the probe no longer. Its maps keep the light that they have.
     void removeProbe(LightProbe* probe);
 
-    /// Of those that can be lit.
+    /// The number of tiles that can be lit.
     std::size_t getTileCount() const;
 
-    /// Runs of each stage (heights that change, horizon, table, sky, key, sun, pyramid, shade,
-    /// gloss, sent, bounce, compose, probe) since creation, all tiles and contexts; of sent, bounce
-    /// and gloss one per bounce; stages that no tile has are left out. A still scene adds none.
+    /// How often each stage has run since the node was created, for all tiles and contexts
+    /// together. The stages are heights that change, horizon, table, sky, key, sun, pyramid, shade,
+    /// gloss, sent, bounce, compose and probe; sent, bounce and gloss run once per bounce. A stage
+    /// that has not run is listed with 0 or is left out. In a still scene nothing runs.
     std::map<std::string, unsigned> getDispatchCounts() const;
+    /// The sum of getDispatchCounts().
     unsigned getDispatchCount() const;
 
-    /// Nodes that were looked at to find tiles, since creation. A still scene adds none.
+    /// The number of nodes that were looked at to find tiles since this node was created. In a
+    /// still scene none are.
     unsigned getVisitCount() const;
 
-    /// Why terrain is drawn unlit: the first tile's failure, else that of a context or the default
-    /// program. Empty where nothing has failed; something may yet, until all is drawn.
+    /// Says why terrain is drawn unlit: the failure of the first tile that has one, else that of a
+    /// context or of the default program. It is empty where nothing has failed so far.
     std::string getFailure() const;
 
     void traverse(osg::NodeVisitor& visitor) override;

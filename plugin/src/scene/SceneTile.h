@@ -70,7 +70,8 @@ struct SceneTile
     bool ownStateSet = false;             ///< the terrain tile had none before
     /// Of a StateSet that has been made DYNAMIC and is bound at the next update.
     std::optional<osg::Object::DataVariance> theirVariance;
-    bool justDynamic = false; ///< made so in this update: it is not bound before the next
+    bool waitsForNext = false; ///< it is not looked at before the next update
+    bool foundTaken = false;   ///< another TerrainLighting had it at the last look
     bool byTexCoord = false;
     bool withoutGeometry = false; ///< when it was bound: its technique makes it late
 };

@@ -115,6 +115,29 @@ osg::ref_ptr<osg::Program> createDisplacedProgram(bool lit, bool glossy)
     return program;
 }
 
+/// The uniform of the sampler, which knows what has put it there. Copied by its class, or read from
+/// a file, it is a plain one.
+class ShadingBinding::Mark : public osg::Uniform
+{
+public:
+    Mark(ShadingBinding* by, unsigned unit)
+        : osg::Uniform(ShadingTexture::sampler, static_cast<int>(unit)), binding(by)
+    {
+    }
+    ShadingBinding* binding; ///< null once it has been taken off
+
+private:
+    ~Mark() override = default;
+};
+
+ShadingBinding* ShadingBinding::on(const osg::StateSet* stateSet)
+{
+    const auto* mark =
+        stateSet ? dynamic_cast<const Mark*>(stateSet->getUniform(ShadingTexture::sampler))
+                 : nullptr;
+    return mark ? mark->binding : nullptr;
+}
+
 ShadingBinding::ShadingBinding(osg::StateSet* stateSet, osg::Texture2D* shading, unsigned unit,
                                const ShadingCoordinates& coordinates, osg::Program* program)
     : _stateSet(stateSet), _program(program), _theirVariance(stateSet->getDataVariance())
@@ -124,7 +147,8 @@ ShadingBinding::ShadingBinding(osg::StateSet* stateSet, osg::Texture2D* shading,
         _theirProgram = *pair;
 
     install(_shading, shading, unit);
-    add(new osg::Uniform(ShadingTexture::sampler, static_cast<int>(unit)));
+    _mark = new Mark(this, unit);
+    add(_mark);
     add(new osg::Uniform(ShadingTexture::matrix,
                          osg::Matrixf(coordinates.toTile * texelCentres(*shading))));
     if (!program)
@@ -167,9 +191,8 @@ void ShadingBinding::install(Bound<T>& bound, T* texture, unsigned unit)
 }
 
 template <class T>
-void ShadingBinding::remove(Bound<T>& bound)
+void ShadingBinding::remove(osg::StateSet& stateSet, const Bound<T>& bound)
 {
-    osg::StateSet& stateSet = *_stateSet;
     const unsigned unit = bound.unit;
     if (bound.texture &&
         stateSet.getTextureAttribute(unit, osg::StateAttribute::TEXTURE) == bound.texture)
@@ -188,14 +211,14 @@ void ShadingBinding::remove(Bound<T>& bound)
         while (attributes.size() > bound.theirUnits && attributes.back().empty())
             attributes.pop_back();
     }
-    bound = {};
 }
 
 void ShadingBinding::setGloss(osg::Texture2DArray* light, unsigned unit)
 {
     if (light == _gloss.texture)
         return;
-    remove(_gloss);
+    remove(*_stateSet, _gloss);
+    _gloss = {};
     if (light)
         install(_gloss, light, unit);
 }
@@ -209,7 +232,25 @@ void ShadingBinding::setHasColour(bool hasColour)
 
 ShadingBinding::~ShadingBinding()
 {
-    osg::StateSet& stateSet = *_stateSet;
+    takeOff();
+}
+
+void ShadingBinding::takeOff()
+{
+    if (_mark->binding)
+        removeAll(*_stateSet);
+    _mark->binding = nullptr;
+}
+
+osg::ref_ptr<osg::StateSet> ShadingBinding::without(const osg::StateSet& bound) const
+{
+    osg::ref_ptr<osg::StateSet> copy = new osg::StateSet(bound);
+    removeAll(*copy);
+    return copy;
+}
+
+void ShadingBinding::removeAll(osg::StateSet& stateSet) const
+{
     stateSet.setDataVariance(_theirVariance);
     for (const Slot& slot : _uniforms)
     {
@@ -225,8 +266,8 @@ ShadingBinding::~ShadingBinding()
         if (_theirProgram.first)
             stateSet.setAttribute(_theirProgram.first, _theirProgram.second);
     }
-    remove(_gloss); // in the reverse order: each restores the lists that it found
-    remove(_shading);
+    remove(stateSet, _gloss); // in the reverse order: each restores the lists that it found
+    remove(stateSet, _shading);
 }
 
 } // namespace osgTerrainLight

@@ -30,6 +30,17 @@ public:
     osg::StateSet* stateSet() const { return _stateSet.get(); }
     unsigned unit() const { return _shading.unit; } ///< of the shading
 
+    /// What is bound to the StateSet, or to the one that it is a copy of. Null where nothing is.
+    static ShadingBinding* on(const osg::StateSet* stateSet);
+    /// A copy of a StateSet with this binding on it, as it is without.
+    osg::ref_ptr<osg::StateSet> without(const osg::StateSet& bound) const;
+
+    /// Its tile is gone, and it only waits for frames that still use it: another may be bound.
+    void retire() { _retired = true; }
+    bool isRetired() const { return _retired; }
+    /// What the destructor does, now.
+    void takeOff();
+
     /// What the StateSet was if the caller has made it DYNAMIC.
     void setTheirVariance(osg::Object::DataVariance variance) { _theirVariance = variance; }
 
@@ -54,8 +65,11 @@ private:
     template <class T>
     void install(Bound<T>& bound, T* texture, unsigned unit);
     template <class T>
-    void remove(Bound<T>& bound);
+    static void remove(osg::StateSet& stateSet, const Bound<T>& bound);
     void add(osg::Uniform* uniform);
+    void removeAll(osg::StateSet& stateSet) const;
+
+    class Mark;
 
     osg::ref_ptr<osg::StateSet> _stateSet;
     Bound<osg::Texture2D> _shading;
@@ -72,6 +86,8 @@ private:
     std::vector<Slot> _uniforms;
     osg::StateSet::RefAttributePair _theirProgram;
     osg::ref_ptr<osg::Uniform> _hasColour;
+    osg::ref_ptr<Mark> _mark;
+    bool _retired = false;
 };
 
 /// The program for stock osgTerrain tiles, from shaders/host. glossy: adds light sent by gloss.

@@ -5,18 +5,17 @@
 #include <osgTerrainLight/LightProbe.h>
 
 #include "core/SettingsTable.h"
-#include "core/SkyRadiance.h"
 #include "gpu/ShaderLibrary.h"
-#include "lighting/nodes/GlossNode.h"
 #include "scene/ComputeNode.h"
 #include "scene/ProbeList.h"
+#include "scene/SceneUniforms.h"
 #include "scene/TerrainTiles.h"
+#include "scene/TileValues.h"
 
 #include <osg/Notify>
 #include <osgUtil/CullVisitor>
 
-#include <algorithm>
-#include <cmath>
+#include <set>
 
 namespace osgTerrainLight
 {
@@ -26,23 +25,6 @@ namespace
 void warn(const std::string& sentence)
 {
     OSG_WARN << "osgTerrainLight: " << sentence << std::endl;
-}
-
-/// Of ground that sends nothing by gloss: as that of GlossWork, of one texel.
-osg::ref_ptr<osg::Texture2DArray> createNoGloss()
-{
-    osg::ref_ptr<osg::Texture2DArray> dark = new osg::Texture2DArray;
-    dark->setTextureSize(1, 1, GlossWork::layers);
-    for (unsigned layer = 0; layer < GlossWork::layers; ++layer)
-    {
-        osg::ref_ptr<osg::Image> texel = new osg::Image;
-        texel->allocateImage(1, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE);
-        std::fill_n(texel->data(), texel->getTotalSizeInBytes(), static_cast<unsigned char>(0));
-        dark->setImage(layer, texel);
-    }
-    dark->setFilter(osg::Texture::MIN_FILTER, osg::Texture::NEAREST);
-    dark->setFilter(osg::Texture::MAG_FILTER, osg::Texture::NEAREST);
-    return dark;
 }
 
 /// Where what has the StateSet is drawn, in the frame of the root; invalid where it is not below.
@@ -57,24 +39,6 @@ osg::BoundingSphere boundOf(const osg::StateSet& stateSet, osg::Group& root)
                     return inFrame(node->getBound(), osg::computeLocalToWorld(above));
                 }
     return {};
-}
-
-bool isTileSized(const SceneTile& tile, std::size_t posts)
-{
-    const TileLight& lighting = tile.lit->lighting();
-    return posts ==
-           static_cast<std::size_t>(lighting.width()) * static_cast<std::size_t>(lighting.height());
-}
-
-/// Values per post, row 0 south, as a raster; empty where there are none.
-template <class T>
-Raster<T> rasterOf(const SceneTile& tile, const std::vector<T>& values)
-{
-    if (values.empty())
-        return {};
-    Raster<T> raster(tile.lit->lighting().width(), tile.lit->lighting().height());
-    raster.values() = values;
-    return raster;
 }
 } // namespace
 
@@ -92,15 +56,17 @@ struct TerrainLighting::Implementation
     void applyUniforms();
     /// Whether some of the ground may be glossy.
     bool mayBeGlossy() const;
-    /// After a change of that, or of settings.
-    void followGloss();
+    /// After a change of that, of settings or of light: warns of what does not do all that it
+    /// seems to ask for, each once as long as it holds.
+    void tellProblems();
     /// Empty where gloss may be switched on, else why not.
-    std::string glossProblem() const;
-    bool uses(unsigned unit) const;
-    bool isFree(const TileHandle& name) const
+    std::string glossProblem() const
     {
-        return !name.valid() || (name.level >= 0 && !registry.find(name));
+        return binder.units.glossProblem(binder.units.gloss, registry);
     }
+    /// Why a tile may not be added; empty where it may.
+    std::string tileProblem(const DemTile& dem, osg::StateSet* stateSet,
+                            const TileHandle& name) const;
     /// A tile that a host has added; null where the handle is no such tile's.
     SceneTile* hosts(const TileHandle& handle) const
     {
@@ -123,8 +89,7 @@ struct TerrainLighting::Implementation
     std::optional<EarthPlace> place;
     std::optional<UtcTime> time;
     LightingSettings settings;
-    bool glossBound = false;   ///< `uniforms` has a texture for tiles that send none
-    bool glossIgnored = false; ///< by the method, and that has been said
+    std::set<std::string> told; ///< settings whose problems have been said and still hold
 
     osg::ref_ptr<Scheduler> scheduler;
     osg::ref_ptr<TilePrograms> programs;
@@ -134,8 +99,7 @@ struct TerrainLighting::Implementation
     TerrainTiles terrain;
     TileFinder finder;
     ProbeList probes;
-    osg::ref_ptr<osg::StateSet> uniforms;      ///< on all below
-    osg::ref_ptr<osg::Texture2DArray> noGloss; ///< null until some of the ground may be glossy
+    SceneUniforms uniforms; ///< on all below
     long long shaders = ShaderLibrary::instance().revision();
     unsigned glossRevision = 0; ///< of the scheduler, when bindings followed it
 };
@@ -193,58 +157,46 @@ bool TerrainLighting::Implementation::mayBeGlossy() const
     return some;
 }
 
-bool TerrainLighting::Implementation::uses(unsigned unit) const
-{
-    bool used = binder.units.shading == unit;
-    registry.forEach([&](const SceneTile& tile)
-                     { used = used || (tile.binding && tile.binding->unit() == unit); });
-    return used;
-}
-
-std::string TerrainLighting::Implementation::glossProblem() const
-{
-    const unsigned unit = binder.units.gloss;
-    return uses(unit) ? "gloss needs texture unit " + std::to_string(unit) +
-                            ", which setTextureUnit() gave to the shading"
-                      : "";
-}
-
-void TerrainLighting::Implementation::followGloss()
+void TerrainLighting::Implementation::tellProblems()
 {
     const bool glossy = mayBeGlossy();
-    const bool ignored = glossy && settings.bounceMethod != BounceMethod::Slices;
-    if (ignored && !glossIgnored)
-        warn(std::string("gloss has no effect with bounce method ") +
-             toString(settings.bounceMethod) + ": needs slices");
-    glossIgnored = ignored;
-    if (glossy != glossBound)
+    std::set<std::string> now;
+    const auto tell = [&](const std::string& setting, const std::string& sentence)
+    {
+        if (now.insert(setting).second && told.count(setting) == 0)
+            warn(sentence);
+    };
+    for (const SettingsProblem& problem : problems(settings, sky))
+        tell(problem.setting, problem.sentence);
+    if (glossy) // of tiles or a layer
+        for (const IdleSetting& idle : idleSettings(settings))
+            tell(idle.name, idle.sentence);
+    told = std::move(now);
+    if (glossy != uniforms.isGlossy())
         applyUniforms();
+}
+
+std::string TerrainLighting::Implementation::tileProblem(const DemTile& dem,
+                                                         osg::StateSet* stateSet,
+                                                         const TileHandle& name) const
+{
+    if (const std::string problem = dem.complaint(); !problem.empty())
+        return problem;
+    if (!stateSet)
+        return "needs a StateSet";
+    const ShadingBinding* bound = ShadingBinding::on(stateSet);
+    if (registry.isTaken(stateSet) ||
+        (bound && bound->stateSet() == stateSet && !bound->isRetired()))
+        return "its StateSet is another tile's: needs one of its own";
+    if (name.valid() && (name.level < 0 || registry.find(name) || registry.isPromised(name)))
+        return "its name is another tile's, or has no level: needs a level, x and y that no other "
+               "tile has";
+    return {};
 }
 
 void TerrainLighting::Implementation::applyUniforms()
 {
-    // A new one each time: threads that draw the frame before still read the old one.
-    uniforms = new osg::StateSet;
-    uniforms->addUniform(new osg::Uniform(ShadingTexture::exposure,
-                                          static_cast<float>(std::exp2(settings.exposure))));
-    const std::array<double, 3> sun = sky.sunDirection();
-    const bool hasSun = TileLight::needsSun(sky);
-    uniforms->addUniform(
-        new osg::Uniform(ShadingTexture::sunDirection,
-                         osg::Vec3f(static_cast<float>(sun[0]), static_cast<float>(sun[1]),
-                                    static_cast<float>(sun[2]))));
-    const Rgb irradiance = sunAtGround(sky);
-    uniforms->addUniform(new osg::Uniform(
-        ShadingTexture::sunIrradiance,
-        hasSun ? osg::Vec3f(irradiance[0], irradiance[1], irradiance[2]) : osg::Vec3f()));
-    uniforms->addUniform(
-        new osg::Uniform(ShadingTexture::glossSampler, static_cast<int>(binder.units.gloss)));
-    // Where there is no light, tiles send none: shaders of hosts must find that.
-    glossBound = mayBeGlossy();
-    if (glossBound && !noGloss)
-        noGloss = createNoGloss();
-    if (glossBound)
-        uniforms->setTextureAttribute(binder.units.gloss, noGloss);
+    uniforms.set(sky, settings.exposure, binder.units.gloss, mayBeGlossy());
 }
 
 TerrainLighting::TerrainLighting() : _implementation(new Implementation(*this))
@@ -270,7 +222,7 @@ TerrainLighting::TerrainLighting(const TerrainLighting& other, const osg::CopyOp
     here.binder.units = there.binder.units;
     here.terrain.glossLayer = there.terrain.glossLayer;
     here.terrain.defaultProgram = there.terrain.defaultProgram;
-    here.glossIgnored = there.glossIgnored;
+    here.told = there.told;
     here.applyUniforms();
 }
 
@@ -287,6 +239,7 @@ void TerrainLighting::setSkyLight(const SkyLight& sky)
     if (sky.sunAzimuth != here.sky.sunAzimuth || sky.sunElevation != here.sky.sunElevation)
         here.time.reset();
     here.sky = sky;
+    here.tellProblems();
     here.applyUniforms();
     here.scheduler->setSky(sky);
 }
@@ -351,7 +304,7 @@ void TerrainLighting::setSettings(const LightingSettings& settings)
     }
     const bool brightness = settings.exposure != here.settings.exposure;
     here.settings = settings;
-    here.followGloss();
+    here.tellProblems();
     if (brightness)
         here.applyUniforms();
     here.forEachLit([](LitTile& tile) { tile.retry(); });
@@ -367,10 +320,15 @@ const LightingSettings& TerrainLighting::getSettings() const
 void TerrainLighting::setTextureUnit(unsigned unit)
 {
     Implementation& here = *_implementation;
-    if (unit == here.binder.units.gloss && here.mayBeGlossy())
-        warn("texture unit not set: gloss needs " + std::to_string(unit));
-    else
+    std::string problem;
+    if (unit > TileUnits::last)
+        problem = std::to_string(unit) + ": needs 0 ... " + std::to_string(TileUnits::last);
+    else if (unit == here.binder.units.gloss && here.mayBeGlossy())
+        problem = "gloss needs " + std::to_string(unit);
+    if (problem.empty())
         here.binder.units.shading = unit;
+    else
+        warn("texture unit not set: " + problem);
 }
 
 unsigned TerrainLighting::getTextureUnit() const
@@ -381,13 +339,20 @@ unsigned TerrainLighting::getTextureUnit() const
 void TerrainLighting::setGlossUnit(unsigned unit)
 {
     Implementation& here = *_implementation;
-    if (here.mayBeGlossy())
-        warn("gloss unit not set: some of the ground may be glossy already");
-    else
+    if (unit == here.binder.units.gloss)
+        return;
+    std::string problem = here.binder.units.glossProblem(unit, here.registry);
+    if (unit > TileUnits::last)
+        problem = std::to_string(unit) + ": needs 0 ... " + std::to_string(TileUnits::last);
+    else if (here.mayBeGlossy())
+        problem = "some of the ground may be glossy already";
+    if (!problem.empty())
     {
-        here.binder.units.gloss = unit;
-        here.applyUniforms();
+        warn("gloss unit not set: " + problem);
+        return;
     }
+    here.binder.units.gloss = unit;
+    here.applyUniforms();
 }
 
 unsigned TerrainLighting::getGlossUnit() const
@@ -408,7 +373,7 @@ void TerrainLighting::setGlossLayer(int layer)
     }
     here.terrain.glossLayer = layer;
     here.terrain.settle();
-    here.followGloss();
+    here.tellProblems();
 }
 
 int TerrainLighting::getGlossLayer() const
@@ -438,10 +403,10 @@ bool TerrainLighting::getLightEnabled() const
 
 void TerrainLighting::setTimeBudget(double milliseconds)
 {
-    if (milliseconds >= 0.0)
+    if (milliseconds >= 0.0 && milliseconds <= 1e9)
         _implementation->scheduler->budget = milliseconds;
     else
-        warn("time budget not set: needs 0 ms or more");
+        warn("time budget not set: needs 0 ... 1e9 ms");
 }
 
 double TerrainLighting::getTimeBudget() const
@@ -454,11 +419,9 @@ TileHandle TerrainLighting::addTile(const DemTile& dem, osg::StateSet* stateSet,
                                     const TileHandle& name)
 {
     Implementation& here = *_implementation;
-    if (!stateSet || dem.width() < 1 || dem.height() < 1 || here.registry.isTaken(stateSet) ||
-        !here.isFree(name))
+    if (const std::string problem = here.tileProblem(dem, stateSet, name); !problem.empty())
     {
-        warn("tile not added: needs at least one post, a StateSet that has none yet, and a level, "
-             "x and y that no other tile has");
+        warn("tile not added: " + problem);
         return {};
     }
     SceneTile& tile = here.registry.add(name ? name : here.registry.next());
@@ -470,13 +433,19 @@ TileHandle TerrainLighting::addTile(const DemTile& dem, osg::StateSet* stateSet,
 TileHandle TerrainLighting::addTile(DynamicTerrain* terrain, const TileHandle& name)
 {
     Implementation& here = *_implementation;
-    if (!terrain || !terrain->getHeightTexture() ||
-        here.registry.isTaken(terrain->getOrCreateStateSet()) || !here.isFree(name) ||
-        here.binder.units.shading == terrain->getHeightUnit())
+    const unsigned unit = terrain ? terrain->getHeightUnit() : 0;
+    std::string problem;
+    if (!terrain || !terrain->getHeightTexture())
+        problem = "needs terrain with 2 x 2 posts or more that is drawn";
+    else
+        problem = here.tileProblem(terrain->getTile(), terrain->getOrCreateStateSet(), name);
+    if (problem.empty() && (unit == here.binder.units.shading ||
+                            (unit == here.binder.units.gloss && here.mayBeGlossy())))
+        problem = "its heights are in texture unit " + std::to_string(unit) +
+                  ", which the light needs: needs setHeightUnit() with another";
+    if (!problem.empty())
     {
-        warn("dynamic terrain not added: needs 2 x 2 posts or more, not to have been added, a "
-             "texture unit other than that of its heights, and a level, x and y that no other tile "
-             "has");
+        warn("dynamic terrain not added: " + problem);
         return {};
     }
     SceneTile& tile = here.registry.add(name ? name : here.registry.next());
@@ -503,13 +472,7 @@ bool TerrainLighting::setTileHeights(const TileHandle& handle, const std::vector
 bool TerrainLighting::setTileAlbedo(const TileHandle& handle, const std::vector<Rgb>& albedo)
 {
     SceneTile* tile = _implementation->hosts(handle);
-    const bool legal =
-        std::all_of(albedo.begin(), albedo.end(),
-                    [](const Rgb& post) {
-                        return std::all_of(post.begin(), post.end(),
-                                           [](float c) { return c >= 0.0f && c <= 1.0f; });
-                    });
-    if (!tile || !legal || (!albedo.empty() && !isTileSized(*tile, albedo.size())))
+    if (!tile || !areAlbedo(*tile, albedo))
     {
         warn("albedo of tile not set: needs a tile that was added, and a colour of 0 ... 1 per "
              "post");
@@ -526,13 +489,7 @@ bool TerrainLighting::setTileGloss(const TileHandle& handle,
     Implementation& here = *_implementation;
     std::string problem = gloss.empty() ? "" : here.glossProblem();
     SceneTile* tile = here.hosts(handle);
-    const bool legal = std::all_of(gloss.begin(), gloss.end(),
-                                   [](const std::array<float, 2>& post) {
-                                       return post[0] >= 0.0f && post[0] <= 1.0f &&
-                                              post[1] >= 1.0f && post[1] <= 64.0f;
-                                   });
-    if (problem.empty() &&
-        (!tile || !legal || (!gloss.empty() && !isTileSized(*tile, gloss.size()))))
+    if (problem.empty() && (!tile || !areGloss(*tile, gloss)))
         problem = "needs a tile that was added, and a pair per post of gloss, 0 ... 1, and "
                   "exponent, 1 ... 64";
     if (!problem.empty())
@@ -543,7 +500,7 @@ bool TerrainLighting::setTileGloss(const TileHandle& handle,
     tile->hasGloss = !gloss.empty();
     tile->lit->lighting().setGloss(rasterOf(*tile, gloss));
     here.scheduler->touch();
-    here.followGloss();
+    here.tellProblems();
     return true;
 }
 
@@ -646,7 +603,7 @@ void TerrainLighting::traverse(osg::NodeVisitor& visitor)
             here.scheduler->see(*cull);
             here.compute->accept(visitor);
         }
-        cull->pushStateSet(here.uniforms);
+        cull->pushStateSet(here.uniforms.stateSet());
         osg::Group::traverse(visitor);
         cull->popStateSet();
         return;
@@ -670,8 +627,7 @@ void TerrainLighting::releaseGLObjects(osg::State* state) const
     here.forEachLit([&](const LitTile& tile) { tile.lighting().releaseGLObjects(state); });
     here.scheduler->forget(state ? state->getContextID() : ~0u);
     here.compute->releaseGLObjects(state);
-    if (here.noGloss)
-        here.noGloss->releaseGLObjects(state);
+    here.uniforms.releaseGLObjects(state);
 }
 
 void TerrainLighting::resizeGLObjectBuffers(unsigned size)
@@ -694,8 +650,7 @@ void TerrainLighting::resizeGLObjectBuffers(unsigned size)
     Implementation& here = *_implementation;
     here.forEachLit([&](const LitTile& tile) { tile.lighting().resizeGLObjectBuffers(size); });
     here.compute->resizeGLObjectBuffers(size);
-    if (here.noGloss)
-        here.noGloss->resizeGLObjectBuffers(size);
+    here.uniforms.resizeGLObjectBuffers(size);
 }
 
 } // namespace osgTerrainLight

@@ -62,14 +62,12 @@ void TerrainTiles::came(const FoundTile& found)
     settle();
     if (_registry.isTaken(found.tile->getStateSet()))
         return; // the host takes care of it
+    // No other tile has it: hosts are not given a name that is promised to a terrain tile.
     const TileHandle handle = _registry.handleOf(*found.tile);
-    SceneTile* tile = _registry.find(handle);
-    if (tile)
-        return; // one that a host has added under this name
-    tile = &_registry.add(handle);
-    tile->terrain = found.tile;
+    SceneTile& tile = _registry.add(handle);
+    tile.terrain = found.tile;
     _tiles.push_back(handle);
-    use(*tile, found, true);
+    use(tile, found, true);
 }
 
 void TerrainTiles::changed(const FoundTile& found)
@@ -114,7 +112,7 @@ void TerrainTiles::update(const TileFinder& finder, unsigned updatesBelow)
 
 void TerrainTiles::look(SceneTile& tile, const TileFinder& finder)
 {
-    if (std::exchange(tile.justDynamic, false))
+    if (std::exchange(tile.waitsForNext, false))
         return;
     const osgTerrain::TerrainTile& terrain = *tile.terrain;
     if (tile.withoutGeometry || !(versionOf(terrain, tile.version.toScene) == tile.version))
@@ -163,6 +161,43 @@ bool TerrainTiles::waits(SceneTile& tile, const std::vector<TilePart>& parts, bo
     return true;
 }
 
+/// False where another TerrainLighting lights this node. Where it only has the StateSet of a node
+/// that this one is a copy of, the node gets a StateSet of its own.
+bool TerrainTiles::isFree(SceneTile& tile)
+{
+    osgTerrain::TerrainTile& terrain = *tile.terrain;
+    const osg::StateSet* stateSet = terrain.getStateSet();
+    const ShadingBinding* other = ShadingBinding::on(stateSet);
+    const bool isNodes = other && other != tile.binding.get() && !other->isRetired() &&
+                         other->stateSet() == stateSet && stateSet->getNumParents() < 2;
+    if (isNodes)
+    {
+        if (tile.lit)
+            _binder.release(tile);
+        // At the first look that one may not know yet that the node has moved.
+        if (!std::exchange(tile.foundTaken, true))
+        {
+            settle();
+            tile.waitsForNext = true;
+        }
+        else if (tile.problem.empty())
+        {
+            tile.theirVariance.reset();
+            fail(tile, "another TerrainLighting lights it: needs a copy of the node for each");
+        }
+        return false;
+    }
+    tile.foundTaken = false;
+    if (other && other != tile.binding.get() &&
+        (other->stateSet() != stateSet || !other->isRetired()))
+    {
+        const osg::ref_ptr<osg::StateSet> own = other->without(*stateSet);
+        const osg::ref_ptr<osg::StateSet> empty = new osg::StateSet;
+        terrain.setStateSet(own->compare(*empty, true) == 0 ? nullptr : own.get());
+    }
+    return true;
+}
+
 void TerrainTiles::undoWait(SceneTile& tile)
 {
     if (tile.theirVariance && tile.ownStateSet)
@@ -191,6 +226,12 @@ void TerrainTiles::use(SceneTile& tile, const FoundTile& found, bool fresh)
     const bool same = !fresh && tile.version == version;
     if (same && !tile.withoutGeometry)
         return;
+    if (!isFree(tile))
+    {
+        tile.version = {}; // not as it is: the next look comes here again
+        tile.version.toScene = found.toScene;
+        return;
+    }
     const std::vector<TilePart> parts = PartFinder(found).parts;
     if (same && parts.empty())
         return;
@@ -201,7 +242,7 @@ void TerrainTiles::use(SceneTile& tile, const FoundTile& found, bool fresh)
     if (version.layer && waits(tile, parts, fresh))
     {
         settle(); // its version is not this one: the next update comes here again
-        tile.justDynamic = true;
+        tile.waitsForNext = true;
         return;
     }
     _binder.takeFrom(terrain.getStateSet());

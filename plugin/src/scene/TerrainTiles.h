@@ -47,6 +47,7 @@ private:
 
     void use(SceneTile& tile, const FoundTile& found, bool fresh);
     void look(SceneTile& tile, const TileFinder& finder);
+    bool isFree(SceneTile& tile);
     bool waits(SceneTile& tile, const std::vector<TilePart>& parts, bool fresh);
     static void undoWait(SceneTile& tile);
     void fail(SceneTile& tile, const std::string& problem);

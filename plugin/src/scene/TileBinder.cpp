@@ -2,6 +2,8 @@
 
 #include "scene/DisplacedProgram.h"
 
+#include <osg/Notify>
+
 namespace osgTerrainLight
 {
 
@@ -71,9 +73,12 @@ void TileBinder::release(SceneTile& tile)
             _pastDispatches[cost.name] += cost.dispatches;
     }
     if (tile.binding)
+    {
+        tile.binding->retire();
         _retired.push_back(
             {std::move(tile.binding),
              tile.ownStateSet ? tile.terrain : osg::ref_ptr<osgTerrain::TerrainTile>()});
+    }
     tile.lit = nullptr;
     tile.binding = nullptr;
     tile.colours = {};
@@ -112,6 +117,9 @@ void TileBinder::takeFrom(const osg::StateSet* stateSet)
         }
         else
             ++i;
+    ShadingBinding* others = ShadingBinding::on(stateSet);
+    if (others && others->isRetired())
+        others->takeOff();
 }
 
 void TileBinder::followGloss(SceneTile& tile)
@@ -121,6 +129,13 @@ void TileBinder::followGloss(SceneTile& tile)
     const osg::ref_ptr<osg::Texture2DArray> light = tile.lit->lighting().glossLight();
     if (light == tile.binding->gloss())
         return;
+    if (tile.dynamic && tile.dynamic->getHeightUnit() == units.gloss) // moved there meanwhile
+    {
+        OSG_WARN << "osgTerrainLight: dynamic terrain is drawn without gloss: its heights are in "
+                    "texture unit "
+                 << units.gloss << ", that of gloss" << std::endl;
+        return;
+    }
     tile.binding->setGloss(light, units.gloss);
     tile.lit->glossy = light.valid();
     if (light)

@@ -3,6 +3,7 @@
 #include "scene/SceneTile.h"
 #include "scene/Scheduler.h"
 #include "scene/TilePrograms.h"
+#include "scene/TileUnits.h"
 
 #include <deque>
 #include <map>
@@ -10,13 +11,6 @@
 
 namespace osgTerrainLight
 {
-
-/// Texture units that tiles are bound with; those that are bound already keep theirs.
-struct TileUnits
-{
-    unsigned shading = ShadingTexture::defaultUnit;
-    unsigned gloss = ShadingTexture::glossUnit;
-};
 
 /// Gives tiles light and binds it to their StateSets, and takes it off again once no frame uses it.
 /// In update traversal.
@@ -43,7 +37,8 @@ public:
     void release(SceneTile& tile);
     /// Once per update.
     void retire();
-    /// Removes what is still bound to a StateSet that is about to be bound anew.
+    /// Removes what is still bound to a StateSet that is about to be bound anew, by a tile that is
+    /// gone, of another lighting too.
     void takeFrom(const osg::StateSet* stateSet);
 
     /// Binds light sent by gloss where there is now some. Until it is computed the tile waits.

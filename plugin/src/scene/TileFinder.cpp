@@ -6,6 +6,7 @@
 #include <osg/Transform>
 
 #include <algorithm>
+#include <typeinfo>
 
 namespace osgTerrainLight
 {
@@ -22,12 +23,18 @@ public:
     }
 };
 
+/// A plain program without shaders is none: copies of a TileProgram are such, and so are those that
+/// are read from the file of a lit scene.
 bool bringsProgram(const osg::Node& node)
 {
     const osg::StateSet* stateSet = node.getStateSet();
     const osg::StateAttribute* program =
         stateSet ? stateSet->getAttribute(osg::StateAttribute::PROGRAM) : nullptr;
-    return program && !dynamic_cast<const TileProgram*>(program);
+    if (!program || dynamic_cast<const TileProgram*>(program))
+        return false;
+    const osg::StateAttribute& attribute = *program;
+    return typeid(attribute) != typeid(osg::Program) ||
+           static_cast<const osg::Program&>(attribute).getNumShaders() > 0;
 }
 
 bool hasProgramAbove(const osg::Group& root)

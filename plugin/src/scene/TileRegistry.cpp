@@ -22,13 +22,18 @@ TileHandle TileRegistry::handleOf(osgTerrain::TerrainTile& tile)
         return known.handle;
     const osgTerrain::TileID& id = tile.getTileID();
     const TileHandle byId = id.valid() ? TileHandle::at(id.level, id.x, id.y) : TileHandle();
-    const auto other = _byId.find(byId);
-    const bool taken = (other != _byId.end() && other->second.valid()) || find(byId);
+    const bool taken = isPromised(byId) || find(byId);
     known.tile = &tile;
     known.handle = byId && !taken ? byId : next();
     if (known.handle == byId)
         _byId[byId] = &tile;
     return known.handle;
+}
+
+bool TileRegistry::isPromised(const TileHandle& handle) const
+{
+    const auto known = _byId.find(handle);
+    return known != _byId.end() && known->second.valid();
 }
 
 void TileRegistry::forgetGone()

@@ -23,6 +23,9 @@ public:
     /// else by a number, the same as long as the terrain tile lives.
     TileHandle handleOf(osgTerrain::TerrainTile& tile);
 
+    /// Whether handleOf() has given the handle to a terrain tile that still lives.
+    bool isPromised(const TileHandle& handle) const;
+
     SceneTile* find(const TileHandle& handle) const;
     /// Precondition: there is none yet.
     SceneTile& add(const TileHandle& handle);
