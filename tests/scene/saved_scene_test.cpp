@@ -1,5 +1,8 @@
-// Scenes in files: those that version 0.1.0 wrote (data/former), and files with other properties
-// than this version has.
+// Scenes in files: those that were written before properties had names (data/former), and files
+// with other properties than this version has.
+#include "scene/TerrainModel.h"
+#include "support/AnalyticTerrain.h"
+#include "support/GlContext.h"
 #include "support/ScenePicture.h"
 
 #include <osgTerrainLight/LightingHandler.h>
@@ -183,4 +186,105 @@ TEST(SavedScene, SaysWhatIsNotLegalAndKeepsTheDefault)
     EXPECT_EQ(read->getSkyLight().sunAzimuth, 250.125);
     EXPECT_EQ(said.count("sun-elevation = \"95\": needs a number, -90 ... 90 degrees"), 1)
         << said.text();
+}
+
+// Expected: the picture of the same scene, saved before anything was bound to its tiles.
+TEST(SavedScene, SavedAfterItWasDrawnIsLitAgain)
+{
+    OTL_NEED_GL(context);
+    const fs::path folder = fs::temp_directory_path() / "otl_saved_after_drawing";
+    fs::create_directories(folder);
+    constexpr double halfSide = 170.0;
+    osg::ref_ptr<TerrainLighting> scene = new TerrainLighting;
+    scene->setTimeBudget(0.0);
+    scene->addChild(createTerrain(analytic::cone(33, 33, 10.0, 16, 16, 120.0, 120.0)));
+    const auto save = [&](const char* when)
+    {
+        for (const char* extension : extensions)
+            EXPECT_TRUE(osgDB::writeNodeFile(*scene, (folder / when).string() + "." + extension));
+    };
+    useOwnPlugins();
+    save("before");
+    {
+        ScenePicture picture(scene, halfSide);
+        picture.draw(3);
+        save("after");
+        EXPECT_GT(picture.redAt(-0.3, 0.3), picture.redAt(0.3, -0.3) + 40.0);
+    }
+    for (const char* extension : extensions)
+    {
+        SCOPED_TRACE(extension);
+        std::vector<unsigned char> expected;
+        for (const char* when : {"before", "after"})
+        {
+            Said said;
+            const osg::ref_ptr<TerrainLighting> read =
+                readScene((folder / when).string() + "." + extension);
+            ASSERT_TRUE(read);
+            ScenePicture picture(read, halfSide);
+            picture.draw(4);
+            EXPECT_GT(picture.redAt(-0.3, 0.3), picture.redAt(0.3, -0.3) + 40.0) << when;
+            EXPECT_TRUE(expected.empty() || picture.pixels() == expected) << when;
+            expected = picture.pixels();
+            EXPECT_EQ(said.text(), "") << when;
+        }
+    }
+    fs::remove_all(folder);
+    EXPECT_EQ(takeGlErrors(), "");
+}
+
+// Expected: every property of the node comes back, that of gloss too.
+TEST(SavedScene, KeepsTextureUnits)
+{
+    useOwnPlugins();
+    const fs::path path = fs::temp_directory_path() / "otl_units.osgt";
+    const osg::ref_ptr<TerrainLighting> node = new TerrainLighting;
+    node->setTextureUnit(ShadingTexture::glossUnit);
+    node->setGlossUnit(9);
+    ASSERT_TRUE(osgDB::writeNodeFile(*node, path.string()));
+    Said said;
+    const osg::ref_ptr<TerrainLighting> read = readScene(path.string());
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->getTextureUnit(), ShadingTexture::glossUnit);
+    EXPECT_EQ(read->getGlossUnit(), 9u);
+    EXPECT_EQ(said.text(), "");
+    fs::remove(path);
+}
+
+TEST(SavedScene, SaysWhichUnitOrLayerIsNotLegal)
+{
+    useOwnPlugins();
+    const fs::path path = fs::temp_directory_path() / "otl_not_legal_units.osgt";
+    const osg::ref_ptr<TerrainLighting> node = new TerrainLighting;
+    ASSERT_TRUE(osgDB::writeNodeFile(*node, path.string()));
+    const std::string legal = textOf(path);
+    const struct
+    {
+        const char *is, *becomes, *said;
+    } wrong[] = {{"\"texture-unit\" \"7\"", "\"texture-unit\" \"-1\"",
+                  "texture-unit = \"-1\": needs a whole number, 0 ... 31"},
+                 {"\"texture-unit\" \"7\"", "\"texture-unit\" \"40\"",
+                  "texture-unit = \"40\": needs a whole number, 0 ... 31"},
+                 {"\"gloss-unit\" \"5\"", "\"gloss-unit\" \"5.5\"",
+                  "gloss-unit = \"5.5\": needs a whole number, 0 ... 31"},
+                 {"\"gloss-layer\" \"-1\"", "\"gloss-layer\" \"2.7\"",
+                  "gloss-layer = \"2.7\": needs a whole number, -1 ... 4"},
+                 {"\"time-budget\" \"50\"", "\"time-budget\" \"-1\"",
+                  "time-budget = \"-1\": needs a number, 0 ... 1e+09 ms"}};
+    for (const auto& each : wrong)
+    {
+        SCOPED_TRACE(each.becomes);
+        std::string text = legal;
+        replace(text, each.is, each.becomes);
+        std::ofstream(path, std::ios::binary) << text;
+        Said said;
+        const osg::ref_ptr<TerrainLighting> read = readScene(path.string());
+        ASSERT_TRUE(read);
+        EXPECT_EQ(said.count(each.said), 1) << said.text();
+        EXPECT_EQ(read->getTextureUnit(), ShadingTexture::defaultUnit);
+        EXPECT_EQ(read->getGlossUnit(), ShadingTexture::glossUnit);
+        EXPECT_EQ(read->getGlossLayer(), -1);
+        EXPECT_EQ(read->getTimeBudget(), 50.0);
+    }
+    fs::remove(path);
 }

@@ -185,7 +185,7 @@ TEST_F(Render, FailuresLeaveNothing)
 
 TEST_F(Render, AFormerVersionsSceneLooksAsItDid)
 {
-    // data/former: scenes that version 0.1.0 saved, and its pictures of them. Grey levels may
+    // data/former: scenes saved before properties had names, and pictures of them. Grey levels may
     // differ by what another driver rounds, as in the other tests of pictures.
     const std::string data = OTL_SOURCE_DIR "/tests/scene/data/former/";
     for (const std::string name : {"lit", "day"})

@@ -7,8 +7,8 @@
 namespace osgTerrainLight
 {
 
-/// Reads a node as versions up to 0.1.0 wrote it: fields by their place. In a binary file the first
-/// field's mark has been read.
+/// Reads a node as it was written before its properties had names: fields by their place. In a
+/// binary file the first field's mark has been read.
 void readFormerScene(osgDB::InputStream& is, TerrainLighting& node);
 
 } // namespace osgTerrainLight

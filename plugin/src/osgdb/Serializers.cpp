@@ -4,6 +4,7 @@
 #include "core/SettingsTable.h"
 #include "osgdb/FormerScene.h"
 #include "osgdb/LostLight.h"
+#include "scene/TileUnits.h"
 #include <osgTerrainLight/Environment.h>
 #include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/SunPosition.h>
@@ -14,10 +15,10 @@
 #include <osgDB/ObjectWrapper>
 #include <osgDB/OutputStream>
 
-#include <cmath>
 #include <functional>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace osgTerrainLight
@@ -35,6 +36,7 @@ struct SavedNode
     bool lightEnabled = true, defaultProgram = true;
     double timeBudget = 50.0;
     int textureUnit = static_cast<int>(ShadingTexture::defaultUnit);
+    int glossUnit = static_cast<int>(ShadingTexture::glossUnit);
     int glossLayer = -1;
 };
 
@@ -49,6 +51,7 @@ SavedNode savedNode(const TerrainLighting& node)
     saved.defaultProgram = node.getDefaultProgramEnabled();
     saved.timeBudget = node.getTimeBudget();
     saved.textureUnit = static_cast<int>(node.getTextureUnit());
+    saved.glossUnit = static_cast<int>(node.getGlossUnit());
     saved.glossLayer = node.getGlossLayer();
     return saved;
 }
@@ -56,6 +59,7 @@ SavedNode savedNode(const TerrainLighting& node)
 void restore(TerrainLighting& node, const SavedNode& saved)
 {
     node.setTextureUnit(static_cast<unsigned>(saved.textureUnit));
+    node.setGlossUnit(static_cast<unsigned>(saved.glossUnit));
     node.setSkyLight(saved.sky);
     node.setSettings(saved.settings);
     if (saved.place)
@@ -106,17 +110,20 @@ Property switchOf(const char* name, bool SavedNode::*member)
 }
 
 template <class Number>
-Property numberOf(const char* name, Number SavedNode::*member)
+Property numberOf(const char* name, Number SavedNode::*member, const ValueForm& form)
 {
+    SettingRow row;
+    row.name = name;
+    row.form = form;
     return {name,
             [member](const SavedNode& saved)
             { return numberText(static_cast<double>(saved.*member)); },
-            [name, member](SavedNode& saved, const std::string& text)
+            [row, member](SavedNode& saved, const std::string& text)
             {
-                const std::vector<double> numbers = numbersIn(text);
-                if (numbers.size() != 1 || std::abs(numbers[0]) > 1e9)
-                    return refused(name, text, "a number").message;
-                saved.*member = static_cast<Number>(numbers[0]);
+                const Result<SettingValue> value = row.read(text, row.name);
+                if (!value)
+                    return value.error().message;
+                saved.*member = static_cast<Number>(std::get<std::vector<double>>(*value).front());
                 return std::string();
             }};
 }
@@ -180,12 +187,17 @@ const std::vector<Property>& properties()
         std::vector<Property> list;
         addRows(list, &SavedNode::settings);
         addRows(list, &SavedNode::sky);
-        for (const Property& property : {environmentOf(), placeOf(), timeOf(),
-                                         switchOf("light-enabled", &SavedNode::lightEnabled),
-                                         switchOf("default-program", &SavedNode::defaultProgram),
-                                         numberOf("time-budget", &SavedNode::timeBudget),
-                                         numberOf("texture-unit", &SavedNode::textureUnit),
-                                         numberOf("gloss-layer", &SavedNode::glossLayer)})
+        const auto whole = [](double minimum, double maximum)
+        { return ValueForm{ValueForm::Kind::Whole, minimum, maximum, "", 1, false, {}}; };
+        const ValueForm milliseconds = {ValueForm::Kind::Real, 0.0, 1e9, "ms", 1, false, {}};
+        for (const Property& property :
+             {environmentOf(), placeOf(), timeOf(),
+              switchOf("light-enabled", &SavedNode::lightEnabled),
+              switchOf("default-program", &SavedNode::defaultProgram),
+              numberOf("time-budget", &SavedNode::timeBudget, milliseconds),
+              numberOf("texture-unit", &SavedNode::textureUnit, whole(0, TileUnits::last)),
+              numberOf("gloss-unit", &SavedNode::glossUnit, whole(0, TileUnits::last)),
+              numberOf("gloss-layer", &SavedNode::glossLayer, whole(-1, 4))})
             list.push_back(property);
         return list;
     }();
