@@ -47,7 +47,7 @@ Status run(const RasterOptions& options)
                           "degree"});
     SkyLight sky;
     sky.sunEnabled = false;
-    const auto write = [&](LitTile& lit, Progress& progress)
+    const auto write = [&](LitDem& lit, Progress& progress)
     {
         const HorizonMap map = lit.lighting->readHorizons(lit.gpu.state());
         return writeBands(options.output, lit.dem.frame, labels, describe("horizon", lit, true),

@@ -97,7 +97,10 @@ CLI::Option* addRow(CLI::App& app, const SettingRow& row, const std::string& def
         set(*value);
     };
     std::string needs = row.needs();
-    needs[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(needs[0])));
+    if (row.form.kind == ValueForm::Kind::Name) // which is read as it is written
+        needs = "One of " + needs;
+    else
+        needs[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(needs[0])));
     return app
         .add_option_function<std::string>(
             option, read,
@@ -253,6 +256,17 @@ void addSky(CLI::App& app, SkyLight& sky, std::string& file)
         addSetting(app, name, sky);
 }
 
+void refuseIdle(const CLI::App& app, const std::vector<IdleSetting>& settings)
+{
+    for (const IdleSetting& idle : settings)
+    {
+        const std::string option = "--" + idle.name;
+        const CLI::Option* found = app.get_option_no_throw(option);
+        if (found && found->count() > 0)
+            throw CLI::ValidationError(option, idle.sentence);
+    }
+}
+
 Status readSky(const CLI::App& app, SkyLight& sky, const std::string& file, bool mapMayHaveSky)
 {
     const auto given = [&app](const char* option)
@@ -262,19 +276,10 @@ Status readSky(const CLI::App& app, SkyLight& sky, const std::string& file, bool
     };
     if (!sky.skyHarmonics.empty() && given("--sky"))
         throw CLI::ValidationError("--sky-harmonics", "is a sky: leave out --sky");
-    const bool ofMap = mapMayHaveSky && !given("--sky");
-    if (!ofMap && given("--turbidity") && sky.skyModel != SkyModel::Clear)
-        throw CLI::ValidationError("--turbidity", "needs --sky clear");
-    if (given("--sky-radiance") &&
-        (!file.empty() || sky.skyModel == SkyModel::Clear || !sky.skyHarmonics.empty()))
-        throw CLI::ValidationError(
-            "--sky-radiance", "needs a uniform or an overcast sky: neither --sky clear, a file nor "
-                              "--sky-harmonics");
     if (file.empty())
     {
-        for (const char* option : {"--sky-heading", "--sky-gain"})
-            if (!ofMap && given(option))
-                throw CLI::ValidationError(option, "needs --sky FILE");
+        if (!mapMayHaveSky || given("--sky"))
+            refuseIdle(app, idleSettings(sky));
         return Nothing{};
     }
     for (const char* option : {"--sun", "--sun-radius", "--sun-irradiance", "--time"})
@@ -289,6 +294,7 @@ Status readSky(const CLI::App& app, SkyLight& sky, const std::string& file, bool
     const bool withoutSun = !sky.sunEnabled;
     sky.setEnvironment(environment, sky.environmentHeading, sky.environmentGain);
     sky.sunEnabled = sky.sunEnabled && !withoutSun;
+    refuseIdle(app, idleSettings(sky));
     return Nothing{};
 }
 

@@ -112,6 +112,8 @@ CLI::Option* addPlace(CLI::App& app, SunTime& sun);
 void addSunTime(CLI::App& app, SunTime& sun);
 /// --key-light and --sky-harmonics.
 void addAreaLights(CLI::App& app, SkyLight& sky);
+/// Throws CLI::ValidationError in the name of an option that was given and has no effect.
+void refuseIdle(const CLI::App& app, const std::vector<IdleSetting>& settings);
 /// Throws CLI::ValidationError in the name of an option where settings and light are refused; warns
 /// of what has no effect.
 void checkProblems(const LightingSettings& settings, const SkyLight& sky, SettingsUse use,

@@ -32,7 +32,7 @@ std::string named(const LightingSettings& settings, bool azimuths)
 }
 
 /// Where a budget is given: chooses lit.settings by measurement. An error where none meets it.
-Status choose(LitTile& lit, const RasterOptions& options, const SkyLight& sky,
+Status choose(LitDem& lit, const RasterOptions& options, const SkyLight& sky,
               SettingsTrial::Product product, SkyViewDefinition definition, Progress& progress)
 {
     if (!options.maxError && !options.maxMilliseconds)
@@ -67,7 +67,7 @@ Status choose(LitTile& lit, const RasterOptions& options, const SkyLight& sky,
 }
 
 /// Computes the light of lit.dem: what is not shared by all azimuths first, so that progress shows.
-Status compute(LitTile& lit, const SkyLight& sky, SkyViewDefinition definition, Progress& progress)
+Status compute(LitDem& lit, const SkyLight& sky, SkyViewDefinition definition, Progress& progress)
 {
     const auto start = std::chrono::steady_clock::now();
     SkyLight first = sky;
@@ -101,7 +101,7 @@ Status compute(LitTile& lit, const SkyLight& sky, SkyViewDefinition definition, 
     return Nothing{};
 }
 
-void summarise(const std::string& mode, const LitTile& lit)
+void summarise(const std::string& mode, const LitDem& lit)
 {
     const double posts = static_cast<double>(lit.dem.tile.postCount());
     if (lit.choice)
@@ -123,7 +123,7 @@ void summarise(const std::string& mode, const LitTile& lit)
 
 } // namespace
 
-void sayNotes(const std::string& path, const LitTile& lit, std::size_t said)
+void sayNotes(const std::string& path, const LitDem& lit, std::size_t said)
 {
     for (std::size_t i = said; i < lit.dem.notes.size(); ++i)
         warn(path + ": " + lit.dem.notes[i]);
@@ -168,7 +168,7 @@ Status checkFits(const Gpu& gpu, int width, int height)
     return Nothing{};
 }
 
-Metadata describe(const std::string& mode, const LitTile& lit, bool azimuths)
+Metadata describe(const std::string& mode, const LitDem& lit, bool azimuths)
 {
     Metadata metadata = {{"TIFFTAG_SOFTWARE", "osgTerrainLight " OSGTERRAINLIGHT_VERSION}};
     add(metadata, "VERSION", OSGTERRAINLIGHT_VERSION);
@@ -281,7 +281,7 @@ Status checkProj(const std::string& path, const Result<DemInfo>& info)
     return Nothing{};
 }
 
-Status readTile(const RasterOptions& options, int bands, LitTile& lit, std::size_t& headNotes,
+Status readTile(const RasterOptions& options, int bands, LitDem& lit, std::size_t& headNotes,
                 Progress& progress)
 {
     const std::string& path = options.input;
@@ -332,10 +332,10 @@ Status readTile(const RasterOptions& options, int bands, LitTile& lit, std::size
 
 Status process(const std::string& mode, const RasterOptions& options, const SkyLight& sky,
                SettingsTrial::Product product, SkyViewDefinition definition, int bands,
-               const std::function<Status(LitTile&, Progress&)>& write)
+               const std::function<Status(LitDem&, Progress&)>& write)
 {
     const std::string& path = options.input;
-    LitTile lit;
+    LitDem lit;
     std::size_t headNotes = 0;
     Progress progress(options.output.quiet);
     if (Status read = readTile(options, bands, lit, headNotes, progress); !read)

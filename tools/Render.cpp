@@ -249,7 +249,7 @@ Status run(const CLI::App& app, Options options)
 {
     if (Status read = readSky(app, options.sky, options.skyFile, true); !read)
         return read;
-    checkProblems(options.settings, options.sky, SettingsUse::Lighting, "SETTINGS");
+    refuseIdle(app, idleSettings(options.settings)); // the scene says the rest
     refuseInputs({options.scene, options.skyFile}, options.output);
     if (Status known = checkProj(options); !known)
         return known;

@@ -43,7 +43,7 @@ std::uint8_t srgb8(double linear)
     return static_cast<std::uint8_t>(std::lround(255.0 * encoded));
 }
 
-Status writeFloats(const Options& options, const Metadata& metadata, const LitTile& lit,
+Status writeFloats(const Options& options, const Metadata& metadata, const LitDem& lit,
                    const Raster<osg::Vec4f>& shading, Progress& progress)
 {
     const auto band = [&](int number)
@@ -64,7 +64,7 @@ Status writeFloats(const Options& options, const Metadata& metadata, const LitTi
                       metadata, progress, band);
 }
 
-Status writeExrFile(const Options& options, const Metadata& metadata, const LitTile& lit,
+Status writeExrFile(const Options& options, const Metadata& metadata, const LitDem& lit,
                     const Raster<osg::Vec4f>& shading)
 {
     ExrImage image;
@@ -88,7 +88,7 @@ Status writeExrFile(const Options& options, const Metadata& metadata, const LitT
 }
 
 /// Void is transparent; where nothing is void there is no alpha, and in a JPEG void is black.
-Status writePicture(const Options& options, const Metadata& metadata, const LitTile& lit,
+Status writePicture(const Options& options, const Metadata& metadata, const LitDem& lit,
                     const Raster<osg::Vec4f>& shading)
 {
     const std::vector<std::uint8_t>& valid = lit.dem.tile.validity();
@@ -111,7 +111,7 @@ Status writePicture(const Options& options, const Metadata& metadata, const LitT
                      writeOptions(options.output, metadata));
 }
 
-Metadata metadataOf(const Options& options, const LitTile& lit)
+Metadata metadataOf(const Options& options, const LitDem& lit)
 {
     Metadata metadata =
         describe("shade", lit, options.sky.skyEnabled || !options.sky.keyLights.empty());
@@ -167,7 +167,7 @@ Status run(const CLI::App& app, Options options)
         throw CLI::ValidationError("--time", "needs a sun: leave out --no-sun");
     if (Status placed = setSun(options.sky, options, options.sun, options.sunMetadata); !placed)
         return placed;
-    const auto write = [&](LitTile& lit, Progress& progress)
+    const auto write = [&](LitDem& lit, Progress& progress)
     {
         const Raster<osg::Vec4f> shading = lit.lighting->readShading(lit.gpu.state());
         const Metadata metadata = metadataOf(options, lit);

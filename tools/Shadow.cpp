@@ -22,7 +22,7 @@ Status run(Options& options)
                                  text(options.sky.sunAzimuth) + ", elevation " +
                                  text(options.sky.sunElevation) + " degrees",
                              ""};
-    const auto values = [](LitTile& lit)
+    const auto values = [](LitDem& lit)
     {
         const Raster<osg::Vec4f> shading = lit.lighting->readShading(lit.gpu.state());
         Raster<float> visible(shading.width(), shading.height());
@@ -32,7 +32,7 @@ Status run(Options& options)
                                       : std::numeric_limits<float>::quiet_NaN();
         return visible;
     };
-    const auto write = [&](LitTile& lit, Progress& progress)
+    const auto write = [&](LitDem& lit, Progress& progress)
     {
         Metadata metadata = describe("shadow", lit, false);
         metadata.insert(metadata.end(), sun.begin(), sun.end());

@@ -31,7 +31,7 @@ struct Options : RasterOptions
 class Sum
 {
 public:
-    Sum(const Options& options, const EarthPlace& place, LitTile& lit)
+    Sum(const Options& options, const EarthPlace& place, LitDem& lit)
         : _options(options), _place(place), _lit(lit), _hours(lit.dem.tile.postCount(), 0.0)
     {
     }
@@ -88,7 +88,7 @@ private:
 
     const Options& _options;
     const EarthPlace& _place;
-    LitTile& _lit;
+    LitDem& _lit;
     std::vector<double> _hours; ///< by post
     int _steps = 0, _sunny = 0;
 };
@@ -106,7 +106,7 @@ Status run(const Options& options)
     const Result<EarthPlace> place = placeOf(options, options.sun);
     if (!place)
         return place.error();
-    LitTile lit;
+    LitDem lit;
     std::size_t headNotes = 0;
     Progress progress(options.output.quiet);
     if (Status read = readTile(options, 1, lit, headNotes, progress); !read)

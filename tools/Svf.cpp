@@ -21,7 +21,7 @@ Status run(const Options& options)
 {
     SkyLight sky;
     sky.sunEnabled = false;
-    const auto write = [&](LitTile& lit, Progress& progress)
+    const auto write = [&](LitDem& lit, Progress& progress)
     {
         Metadata metadata = describe("svf", lit, true);
         add(metadata, "DEFINITION", options.definition);
