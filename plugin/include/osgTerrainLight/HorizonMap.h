@@ -9,13 +9,12 @@
 namespace osgTerrainLight
 {
 
-/// Horizon elevation per post and azimuth, on the CPU: what is read back, written to file and
-/// tested.
+/// The elevation of the horizon per post and azimuth, on the CPU.
 ///
 /// Azimuth k of m looks towards φ_k = 2πk/m, counter-clockwise from east. m is a multiple of 4, so
-/// that the same set, renumbered, is "clockwise from north". Elevation is the angle above the
-/// horizontal, −90° … 90°, in 16 bits: code 32768 is exactly 0°, one step is 90°/32767 = 0.0027°,
-/// and code 0 marks a void post. The same code, read as R16 unorm, is what the GPU holds.
+/// that the same azimuths can be numbered clockwise from north. The elevation is the angle above
+/// the horizontal, −90° … 90°, in 16 bits: code 32768 is exactly 0°, one step is 90°/32767 =
+/// 0.0027°, and code 0 marks a void post. The GPU has the same codes, as R16 unorm.
 class OSGTERRAINLIGHT_EXPORT HorizonMap
 {
 public:
@@ -32,13 +31,13 @@ public:
     }
     bool isValid(int column, int row) const { return codeAt(column, row, 0) != voidCode; }
 
-    /// Elevation [degrees] of a valid post's horizon.
+    /// The elevation of the horizon at a post that is not void [degrees].
     double elevationAt(int column, int row, int azimuth) const
     {
         return decode(codeAt(column, row, azimuth));
     }
 
-    /// Codes, layer by layer (azimuth), row by row from the south.
+    /// All codes: azimuth by azimuth, and in each row by row from the south.
     std::vector<std::uint16_t>& codes() { return _codes; }
     const std::vector<std::uint16_t>& codes() const { return _codes; }
 

@@ -12,61 +12,67 @@
 namespace osgTerrainLight
 {
 
-/// Light at one place of a lit tile, for a host's objects there: what comes from the sky above the
-/// horizon that the place has, and from the ground below it, as irradiance maps (King 2005, with
-/// the occlusion that it lacks). TerrainLighting::addProbe() has it computed, whenever the light
-/// has changed. The object is drawn below that node, with the probe's StateSet and a shader that
-/// calls terrain_probe.glsl.
+/// The light at one place of a lit tile, for an application's objects there. It has the light of
+/// the sky above the horizon of the place, and that of the ground below the horizon, as irradiance
+/// maps (King 2005, with the occlusion that it lacks). TerrainLighting::addProbe() has it computed
+/// whenever the light has changed. Draw the object below that node, with the probe's StateSet and a
+/// shader that calls terrain_probe.glsl.
 ///
-/// The sun is not in the maps' colours, as harmonics would smear it: alpha has its visible
-/// fraction, and the shader adds it sharply. The object itself casts no shadow and sends no light.
+/// The colours of the maps leave out the sun, since harmonics would smear it. Alpha has the visible
+/// fraction of the sun, and the shader adds the sun sharply. The object itself casts no shadow and
+/// sends no light.
 ///
-/// Methods are called where the scene graph may be changed.
+/// Call all methods where the scene graph may be changed: in the update or event traversal, or
+/// between frames.
 class OSGTERRAINLIGHT_EXPORT LightProbe : public osg::Referenced
 {
 public:
     LightProbe();
 
-    /// Texture units of the maps where none are asked for, and their samplerCube.
+    /// The default texture units of the maps, and the names of their samplerCube uniforms.
     static constexpr unsigned diffuseUnit = 4;
     static constexpr unsigned glossyUnit = 3;
     static constexpr const char* diffuseSampler = "osgTerrainLight_probeDiffuse";
     static constexpr const char* glossySampler = "osgTerrainLight_probeGlossy";
-    /// float: of the glossy map's lobe.
+    /// The name of the float uniform with the exponent of the glossy map's lobe.
     static constexpr const char* exponentUniform = "osgTerrainLight_probeExponent";
 
-    /// Metres from the tile's south-western post to east and north; beyond the tile its edge
-    /// counts. Default (0, 0). What is not finite is refused with a warning.
+    /// Sets the place, in metres to the east and north of the tile's south-western post. A place
+    /// beyond the tile is moved to its edge. The default is (0, 0). Numbers that are not finite are
+    /// refused with a warning.
     void setPlace(double east, double north);
     double getEast() const;
     double getNorth() const;
 
-    /// Metres above the ground, ≥ 0, or above the tile's heightOrigin, where a place below the
-    /// ground is moved up to it. Default 1 m above the ground. Others are refused with a warning.
+    /// Sets the height [m] above the ground, ≥ 0, or above the tile's heightOrigin; a place below
+    /// the ground is moved up to it. The default is 1 m above the ground. Other heights are refused
+    /// with a warning.
     void setHeight(double metres, bool aboveGround = true);
     double getHeight() const;
     bool isAboveGround() const;
 
-    /// Of the glossy map's lobe, (s + 1) / 2π cosˢ: s, 1 … 64. Default 16. Beyond about 18 the lobe
-    /// is blunter than it is asked to be, as harmonics are of order 6. Others are refused with a
-    /// warning.
+    /// Sets the exponent s of the glossy map's lobe, (s + 1) / 2π cosˢ, 1 … 64. The default is 16.
+    /// Beyond about 18 the lobe is blunter than s says, since the harmonics are of order 6. Other
+    /// exponents are refused with a warning.
     void setExponent(double exponent);
     double getExponent() const;
 
-    /// Of the maps, 0 … 31 and different. Others are refused with a warning.
+    /// Sets the texture units of the maps: two different ones, 0 … 31. Others are refused with a
+    /// warning.
     void setTextureUnits(unsigned diffuse, unsigned glossy);
 
-    /// For the object's node, or above it: textures, samplers, exponent, and that cube maps are
-    /// filtered across edges. The same as long as the probe lives.
+    /// The StateSet for the object's node, or for a node above it. It has the textures, their
+    /// samplers and the exponent, and has cube maps filtered across their edges. It is the same as
+    /// long as the probe lives.
     osg::StateSet* getStateSet() const;
 
-    /// RGBA16F, 16² a face: rgb = irradiance / π of a surface that faces each direction (x east, y
-    /// north, z up), a = visible fraction of the sun.
+    /// The diffuse map, RGBA16F, 16² texels per face: rgb is the irradiance / π of a surface that
+    /// faces each direction (x east, y north, z up), and a is the visible fraction of the sun.
     osg::TextureCubeMap* getDiffuseMap() const;
-    /// The same of radiance through the lobe about each direction.
+    /// The glossy map: rgb is the radiance through the lobe about each direction.
     osg::TextureCubeMap* getGlossyMap() const;
 
-    /// Grows with every change of place, height or exponent.
+    /// A number that grows with every change of the place, the height or the exponent.
     unsigned getRevision() const;
 
 protected:
@@ -77,9 +83,9 @@ private:
     std::unique_ptr<Implementation> _implementation;
 };
 
-/// terrain_probe.glsl as a shader that a host adds to its program and calls: vec3
-/// terrainProbeDiffuse(vec3 normal) and vec3 terrainProbeGlossy(vec3 normal, vec3 toViewer).
-/// version: of GLSL, ≥ 120.
+/// Makes terrain_probe.glsl a shader that an application adds to its own program. It has
+/// vec3 terrainProbeDiffuse(vec3 normal) and vec3 terrainProbeGlossy(vec3 normal, vec3 toViewer).
+/// version: of GLSL, as in #version, ≥ 120.
 OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Shader> createProbeShader(osg::Shader::Type type,
                                                                    int version = 120);
 

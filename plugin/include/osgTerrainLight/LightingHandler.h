@@ -10,19 +10,20 @@ namespace osgTerrainLight
 {
 class TerrainLighting;
 
-/// Keys in a viewer's window that change the light of a TerrainLighting, and that run the day where
-/// it has a place. While its getTime() has one, the window shows the time and where the sun stands.
-/// None of the keys is one of osgviewer or of its camera manipulators; they are listed with the
-/// viewer's own.
+/// Keys in a viewer's window that change the light of a TerrainLighting. Where the lighting has a
+/// place, keys run the day, too. While its getTime() has a time, the window shows the time and the
+/// place of the sun. The keys differ from those of osgviewer and its camera manipulators, and the
+/// viewer's help lists them.
 ///
-/// Add it to a viewer (addEventHandler), with the lighting that it changes; or to a lighting itself
-/// (addEventCallback), whose light it then changes. The second is saved with the scene.
+/// Add the handler to a viewer (addEventHandler), with the lighting that it changes, or to the
+/// lighting itself (addEventCallback). The handler of a lighting is saved with the scene.
 class OSGTERRAINLIGHT_EXPORT LightingHandler : public osgGA::GUIEventHandler
 {
 public:
-    /// lighting: the one to change, observed; not needed for an event callback of a lighting.
+    /// lighting: the lighting that the keys change, which may go before the handler does. An event
+    /// callback of a lighting needs none.
     explicit LightingHandler(TerrainLighting* lighting = nullptr);
-    /// A copy has the same lighting, and a clock of its own that stands still.
+    /// A copy has the same lighting, and its own clock, which stands still.
     LightingHandler(const LightingHandler& other,
                     const osg::CopyOp& copyop = osg::CopyOp::SHALLOW_COPY);
     META_Object(osgTerrainLight, LightingHandler);

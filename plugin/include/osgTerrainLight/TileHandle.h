@@ -7,13 +7,14 @@
 namespace osgTerrainLight
 {
 
-/// Names a tile of a TerrainLighting: by level, x and y where the tile has them, else by a number
-/// that the lighting gives. A number is never given to a second tile. Plain and comparable.
+/// The name of a tile of a TerrainLighting: level, x and y where the tile has them, else a number
+/// that the lighting gives. The lighting never gives a number to a second tile. Handles can be
+/// copied and compared.
 struct TileHandle
 {
-    int level = -1; ///< as in osgTerrain::TileID; −1: the tile is named by number
+    int level = -1; ///< As in osgTerrain::TileID; −1 where the tile is named by a number.
     int x = 0, y = 0;
-    std::uint64_t number = 0; ///< 0 at level −1: names no tile
+    std::uint64_t number = 0; ///< At level −1; 0 names no tile.
 
     static TileHandle at(int level, int x, int y)
     {
@@ -24,7 +25,7 @@ struct TileHandle
         return handle;
     }
 
-    /// Whether it names a tile, of which the lighting need not know.
+    /// Whether it is a name at all. The lighting need not have a tile of this name.
     bool valid() const { return level >= 0 || number != 0; }
     explicit operator bool() const { return valid(); }
 };
@@ -42,18 +43,18 @@ inline bool operator!=(const TileHandle& a, const TileHandle& b)
     return !(a == b);
 }
 
-/// How far a tile has come.
+/// Whether a tile is lit, and why not.
 struct TileState
 {
     enum class Stage
     {
-        Unknown, ///< the lighting has no such tile
-        Waiting, ///< drawn unlit, until its turn comes
+        Unknown, ///< The lighting has no such tile.
+        Waiting, ///< It is drawn unlit until its turn comes.
         Lit,
-        Failed ///< drawn unlit
+        Failed ///< It is drawn unlit.
     };
     Stage stage = Stage::Unknown;
-    std::string reason; ///< why it failed; else empty
+    std::string reason; ///< Says why it has failed; else empty.
 };
 
 } // namespace osgTerrainLight
