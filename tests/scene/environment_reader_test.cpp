@@ -90,7 +90,7 @@ TEST_F(EnvironmentReaderTest, ErrorsNameTheFile)
                                      {"square.hdr", "4 x 4"},
                                      {"empty.exr", "OpenEXR"},
                                      {"empty.hdr", "Radiance"},
-                                     {"text.xyz_no_plugin", "OpenSceneGraph"}})
+                                     {"text.xyz_no_plugin", "no picture that GDAL reads"}})
     {
         std::string problem;
         EXPECT_EQ(readEnvironment(in(name), problem), nullptr) << name;

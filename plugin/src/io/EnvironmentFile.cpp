@@ -3,10 +3,14 @@
 #include "io/ExrEnvironment.h"
 #include "io/ExrGuard.h"
 #include "io/RadianceFile.h"
+#include "io/RasterEnvironment.h"
 
 #include <array>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <system_error>
 
 namespace osgTerrainLight
 {
@@ -51,20 +55,34 @@ std::string makeUsable(std::vector<Rgb>& pixels)
            std::to_string(infinite) + " are infinite and taken as 65504 (or 0 where negative)";
 }
 
-PictureFormat formatOf(const std::string& path)
+namespace
+{
+bool exists(const std::string& path)
+{
+    std::error_code failure;
+    return std::filesystem::exists(path, failure);
+}
+} // namespace
+
+// Damaged files never reach a reader that trusts them: what claims to be of a kind that we read
+// ourselves, by its content or its name, is read so.
+Result<EnvironmentPicture> readEnvironmentFile(const std::string& path, std::size_t maxPixels)
 {
     std::array<char, 4> start = {};
     std::ifstream(path, std::ios::binary).read(start.data(), start.size());
-    if (start == std::array<char, 4>{0x76, 0x2f, 0x31, 0x01})
-        return PictureFormat::OpenExr;
-    return start[0] == '#' && start[1] == '?' ? PictureFormat::Radiance : PictureFormat::Other;
-}
-
-Result<EnvironmentPicture> readEnvironmentFile(const std::string& path, std::size_t maxPixels)
-{
-    if (formatOf(path) == PictureFormat::Radiance)
+    std::string extension = std::filesystem::path(path).extension().string();
+    for (char& c : extension)
+        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (start[0] == '#' && start[1] == '?')
         return readRadianceFile(path, maxPixels);
-    return readGuarded(path, [&] { return readExrEnvironment(path, maxPixels); });
+    if (start == std::array<char, 4>{0x76, 0x2f, 0x31, 0x01} || extension == ".exr")
+        return readGuarded(path, [&] { return readExrEnvironment(path, maxPixels); });
+    if (extension != ".hdr" && extension != ".pic")
+        return readRasterEnvironment(path, maxPixels);
+    if (!exists(path))
+        return Error{ErrorCode::NotFound, path + ": no such file"};
+    return Error{ErrorCode::Invalid,
+                 path + ": does not begin with #?; needed a picture of Radiance"};
 }
 
 } // namespace osgTerrainLight

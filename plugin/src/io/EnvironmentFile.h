@@ -19,18 +19,11 @@ struct EnvironmentPicture
     std::string warning;       ///< what was replaced or chosen; empty where nothing was
 };
 
-/// By a file's first bytes, whatever its name.
-enum class PictureFormat
-{
-    OpenExr,
-    Radiance,
-    Other
-};
-PictureFormat formatOf(const std::string& path);
-
-/// Reads a picture of all directions: of Radiance where the file begins so (io/RadianceFile.h),
-/// else OpenEXR (io/ExrEnvironment.h), as latitude-longitude or cube. docs/CONVENTIONS.md has the
-/// orientation. Values that are no light are replaced by makeUsable().
+/// Reads a picture of all directions, by its first bytes, whatever its name: of Radiance
+/// (io/RadianceFile.h), OpenEXR (io/ExrEnvironment.h) as latitude-longitude or cube, else any
+/// picture that GDAL reads (io/RasterEnvironment.h). A file that is named .exr, .hdr or .pic and is
+/// none is an error. docs/CONVENTIONS.md has the orientation. Values that are no light are replaced
+/// by makeUsable().
 ///
 /// Errors name the file: NotFound; Invalid where it is damaged, of no environment's shape or holds
 /// more than maxPixels pixels, which is looked at before any is allocated; NotSupported where it
