@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 namespace osgTerrainLight
 {
@@ -44,17 +45,45 @@ Result<GDALDatasetUniquePtr> openPicture(const std::string& path, const GdalErro
     return picture;
 }
 
-/// A view of the picture in colours, which reads from it and must go before it.
-GDALDatasetUniquePtr withoutPalette(GDALDataset& picture)
+bool hasColoursAlone(GDALDataset& picture)
+{
+    return picture.GetRasterCount() <= 4 && !picture.GetRasterBand(1)->GetColorTable();
+}
+
+bool hasAlpha(GDALDataset& picture)
+{
+    return picture.GetRasterBand(picture.GetRasterCount())->GetColorInterpretation() ==
+           GCI_AlphaBand;
+}
+
+/// A view of the picture's colours and alpha, which reads from it and must go before it: without a
+/// palette, and without further bands, of which a damaged file may have tens of thousands.
+GDALDatasetUniquePtr coloursOf(GDALDataset& picture)
 {
     CPLStringList arguments;
-    for (const char* argument : {"-of", "VRT", "-expand", "rgba"})
+    for (const char* argument : {"-of", "VRT"})
         arguments.AddString(argument);
+    if (picture.GetRasterBand(1)->GetColorTable())
+    {
+        arguments.AddString("-expand");
+        arguments.AddString("rgba");
+    }
+    else
+    {
+        std::vector<int> bands = {1, 2, 3};
+        if (hasAlpha(picture))
+            bands.push_back(picture.GetRasterCount());
+        for (const int band : bands)
+        {
+            arguments.AddString("-b");
+            arguments.AddString(std::to_string(band).c_str());
+        }
+    }
     GDALTranslateOptions* options = GDALTranslateOptionsNew(arguments.List(), nullptr);
-    GDALDatasetUniquePtr expanded(GDALDataset::FromHandle(
+    GDALDatasetUniquePtr view(GDALDataset::FromHandle(
         GDALTranslate("", GDALDataset::ToHandle(&picture), options, nullptr)));
     GDALTranslateOptionsFree(options);
-    return expanded;
+    return view;
 }
 
 GDALDatasetUniquePtr warped(GDALDataset& picture, const DemTile& tile)
@@ -76,8 +105,7 @@ GDALDatasetUniquePtr warped(GDALDataset& picture, const DemTile& tile)
             arguments.AddString(tile.crs.c_str());
         }
     }
-    const int bands = picture.GetRasterCount();
-    if (picture.GetRasterBand(bands)->GetColorInterpretation() != GCI_AlphaBand)
+    if (!hasAlpha(picture))
         arguments.AddString("-dstalpha");
     GDALWarpAppOptions* options = GDALWarpAppOptionsNew(arguments.List(), nullptr);
     GDALDatasetH source = GDALDataset::ToHandle(&picture);
@@ -94,9 +122,9 @@ Result<ColourImage> readColour(const std::string& path, const DemTile& tile, int
     Result<GDALDatasetUniquePtr> opened = openPicture(path, errors);
     if (!opened)
         return opened.error();
-    const bool hasPalette = (*opened)->GetRasterBand(1)->GetColorTable() != nullptr;
-    const GDALDatasetUniquePtr expanded = hasPalette ? withoutPalette(**opened) : nullptr;
-    GDALDataset* picture = hasPalette ? expanded.get() : opened->get();
+    const bool isPlain = hasColoursAlone(**opened);
+    const GDALDatasetUniquePtr view = isPlain ? nullptr : coloursOf(**opened);
+    GDALDataset* picture = isPlain ? opened->get() : view.get();
     const GDALDatasetUniquePtr fitted = picture ? warped(*picture, tile) : nullptr;
     if (!fitted)
         return Error{ErrorCode::Failed,
