@@ -10,6 +10,7 @@
 #include "reference/PathTracer.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
+#include "support/PathErrors.h"
 #include "support/SharedData.h"
 
 #include <gtest/gtest.h>
@@ -576,6 +577,26 @@ DemTile halfDome()
     dem->tile.eastSpacings = {dem->tile.nominalEastSpacing()};
     return dem->tile;
 }
+
+/// Where the sky is on, its light, otherwise that of the key lights.
+reference::Illumination illuminationOf(const SkyLight& sky)
+{
+    reference::Illumination illumination;
+    illumination.light = sky;
+    illumination.light.skyEnabled = true;
+    illumination.environment =
+        [sky, model = clearSky(sky)](const reference::Vector3& d) -> reference::LinearRgb
+    {
+        if (sky.skyModel == SkyModel::Clear)
+        {
+            const auto found = Glsl<double>().clearSkyRadiance(model, {d[0], d[1], d[2]});
+            return {found.x, found.y, found.z};
+        }
+        return sky.skyEnabled ? radianceOf(sky.skyHarmonics, d) : radianceOf(sky.keyLights, d);
+    };
+    illumination.importance = reference::importanceOf(illumination.environment, 720, 360);
+    return illumination;
+}
 } // namespace
 
 class AreaLightAccuracy : public testing::TestWithParam<Scene>
@@ -596,28 +617,8 @@ TEST_P(AreaLightAccuracy, AgainstThePathTracer)
     description.albedo = {0.5f, 0.5f, 0.5f};
     const auto tracer = reference::PathTracer::build(description);
     ASSERT_TRUE(tracer.ok());
-    reference::Illumination illumination;
-    illumination.light = scene.sky;
-    illumination.light.skyEnabled = true;
-    illumination.environment =
-        [&, model = clearSky(scene.sky)](const reference::Vector3& d) -> reference::LinearRgb
-    {
-        if (scene.sky.skyModel == SkyModel::Clear)
-        {
-            const auto found = Glsl<double>().clearSkyRadiance(model, {d[0], d[1], d[2]});
-            return {found.x, found.y, found.z};
-        }
-        return scene.sky.skyEnabled ? radianceOf(scene.sky.skyHarmonics, d)
-                                    : radianceOf(scene.sky.keyLights, d);
-    };
-    illumination.importance = reference::importanceOf(illumination.environment, 720, 360);
-    std::mt19937 random(11);
-    std::vector<reference::Receiver> receivers(100);
-    for (reference::Receiver& receiver : receivers)
-    {
-        receiver.column = static_cast<int>(random() % static_cast<unsigned>(tile.width()));
-        receiver.row = static_cast<int>(random() % static_cast<unsigned>(tile.height()));
-    }
+    const reference::Illumination illumination = illuminationOf(scene.sky);
+    const auto receivers = randomReceivers(tile, 100);
     reference::PathTracerOptions options;
     options.samples = 1 << 16;
     options.bounces = 2;
@@ -642,7 +643,7 @@ TEST_P(AreaLightAccuracy, AgainstThePathTracer)
         {
             if (order == 1) // direct light by itself, then the sum of bounces
                 sums = expected = variances = std::vector<double>(receivers.size());
-            double squares = 0.0, of = 0.0, noise = 0.0, bias = 0.0, mean = 0.0;
+            PathErrors errors;
             for (std::size_t i = 0; i < receivers.size(); ++i)
             {
                 const reference::Estimate& estimate =
@@ -651,26 +652,19 @@ TEST_P(AreaLightAccuracy, AgainstThePathTracer)
                     static_cast<double>(light[order].at(receivers[i].column, receivers[i].row).g());
                 expected[i] += estimate.mean[1];
                 variances[i] += estimate.standardError[1] * estimate.standardError[1];
-                squares += (sums[i] - expected[i]) * (sums[i] - expected[i]);
-                of += expected[i] * expected[i];
-                noise += variances[i];
-                bias += sums[i] - expected[i];
-                mean += expected[i];
+                errors.add(sums[i], expected[i], variances[i]);
             }
-            const double error = std::sqrt(std::max(0.0, squares - noise) / of);
             std::cout << scene.name << ", " << azimuths << " azimuths, "
                       << TileLight::keyAzimuths(scene.sky, settings) << " of key lights, "
                       << (order == 0   ? "direct"
                           : order == 1 ? "1 bounce"
                                        : "2 bounces")
-                      << ": relative RMS " << 100.0 * error << " % (noise "
-                      << 100.0 * std::sqrt(noise / of) << " %), bias " << 100.0 * bias / mean
-                      << " %\n";
+                      << ": " << errors << '\n';
             if (azimuths > 16) // what is less than the default is printed only
             {
-                EXPECT_LE(error, order == 0 ? scene.direct : scene.bounced);
+                EXPECT_LE(errors.relativeRms(), order == 0 ? scene.direct : scene.bounced);
             }
-            EXPECT_LE(std::sqrt(noise / of), order == 0 ? scene.direct : scene.bounced);
+            EXPECT_LE(errors.relativeNoise(), order == 0 ? scene.direct : scene.bounced);
         }
     }
 }

@@ -8,12 +8,12 @@
 #include "reference/PathTracer.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
+#include "support/PathErrors.h"
 #include "support/SharedData.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numeric>
 #include <random>
 
 using namespace osgTerrainLight;
@@ -58,21 +58,6 @@ Raster<osg::Vec4f> shadingOf(osg::State& state, const DemTile& tile,
     return shading;
 }
 
-std::vector<reference::Receiver> randomReceivers(const DemTile& tile, std::size_t count)
-{
-    std::mt19937 random(11);
-    std::vector<reference::Receiver> receivers;
-    while (receivers.size() < count)
-    {
-        reference::Receiver receiver;
-        receiver.column = static_cast<int>(random() % static_cast<unsigned>(tile.width()));
-        receiver.row = static_cast<int>(random() % static_cast<unsigned>(tile.height()));
-        if (tile.isValid(receiver.column, receiver.row))
-            receivers.push_back(receiver);
-    }
-    return receivers;
-}
-
 /// A part of a shared DEM, as if on a plane: the path tracer needs rows of one width.
 DemTile partOf(const std::string& name, int side)
 {
@@ -99,6 +84,28 @@ struct Accuracy
 std::ostream& operator<<(std::ostream& out, const Accuracy& accuracy)
 {
     return out << accuracy.name;
+}
+
+struct Variant
+{
+    const char* name;
+    LightingSettings settings;
+    double bound;
+};
+
+std::vector<Variant> variantsOf(const Accuracy& accuracy)
+{
+    Variant normal = {"default", {}, accuracy.normal};
+    Variant thin = {"default, subsampling 2", {}, accuracy.thin};
+    thin.settings.subsampling = 2;
+    Variant best = {"best x 64", {}, accuracy.best};
+    best.settings.quality = HorizonQuality::Best;
+    best.settings.azimuths = 64;
+    // For comparison, whatever it reaches: quality Draft has its k = 4, o = 2.
+    Variant paper = {"Nowrouzezahrai and Snyder 2009", {}, 1.0};
+    paper.settings.bounceMethod = BounceMethod::Legendre;
+    paper.settings.quality = HorizonQuality::Draft;
+    return {normal, thin, best, paper};
 }
 } // namespace
 
@@ -136,34 +143,18 @@ TEST_P(BounceAccuracy, AgainstThePathTracer)
     const auto truth = tracer->trace(illumination, receivers, options);
     ASSERT_TRUE(truth.ok());
 
-    struct Run
-    {
-        const char* name;
-        LightingSettings settings;
-        double bound;
-    };
-    Run normal = {"default", {}, accuracy.normal};
-    Run thin = {"default, subsampling 2", {}, accuracy.thin};
-    thin.settings.subsampling = 2;
-    Run best = {"best x 64", {}, accuracy.best};
-    best.settings.quality = HorizonQuality::Best;
-    best.settings.azimuths = 64;
-    // For comparison, whatever it reaches: quality Draft has its k = 4, o = 2.
-    Run paper = {"Nowrouzezahrai and Snyder 2009", {}, 1.0};
-    paper.settings.bounceMethod = BounceMethod::Legendre;
-    paper.settings.quality = HorizonQuality::Draft;
     double errorByDefault = 0.0;
-    for (Run run : {normal, thin, best, paper})
+    for (Variant variant : variantsOf(accuracy))
     {
-        run.settings.bounces = bounces;
-        const LightingSettings& settings = run.settings;
+        variant.settings.bounces = bounces;
+        const LightingSettings& settings = variant.settings;
         const auto found = bouncesOf(state, tile, settings, sky);
-        double light = 0.0, reference = 0.0;
+        double error = 0.0, noise = 0.0; // of the last sum
         std::vector<double> sums(receivers.size(), 0.0), expected(receivers.size(), 0.0),
             variances(receivers.size(), 0.0);
         for (std::size_t b = 0; b < bounces; ++b)
         {
-            double squares = 0.0, of = 0.0, noise = 0.0, bias = 0.0;
+            PathErrors errors;
             for (std::size_t i = 0; i < receivers.size(); ++i)
             {
                 const auto [column, row] = std::pair{receivers[i].column, receivers[i].row};
@@ -171,29 +162,22 @@ TEST_P(BounceAccuracy, AgainstThePathTracer)
                 sums[i] += static_cast<double>(found[b].at(column, row).g());
                 expected[i] += bounce.mean[1];
                 variances[i] += bounce.standardError[1] * bounce.standardError[1];
-                squares += (sums[i] - expected[i]) * (sums[i] - expected[i]);
-                of += expected[i] * expected[i];
-                noise += variances[i];
-                bias += sums[i] - expected[i];
+                errors.add(sums[i], expected[i], variances[i]);
             }
-            const double error = std::sqrt(std::max(0.0, squares - noise) / of);
-            const double mean = std::accumulate(expected.begin(), expected.end(), 0.0);
-            std::cout << accuracy.name << ", " << run.name << ", " << b + 1
-                      << (b ? " bounces" : " bounce") << ": relative RMS " << 100.0 * error
-                      << " % (noise " << 100.0 * std::sqrt(noise / of) << " %), bias "
-                      << 100.0 * bias / mean << " %\n";
-            light = error;
-            reference = std::sqrt(noise / of);
-            EXPECT_LE(error, run.bound) << run.name << ' ' << b + 1;
+            std::cout << accuracy.name << ", " << variant.name << ", " << b + 1
+                      << (b ? " bounces" : " bounce") << ": " << errors << '\n';
+            error = errors.relativeRms();
+            noise = errors.relativeNoise();
+            EXPECT_LE(error, variant.bound) << variant.name << ' ' << b + 1;
         }
-        if (std::string(run.name) == "default")
-            errorByDefault = light;
+        if (std::string(variant.name) == "default")
+            errorByDefault = error;
         if (settings.bounceMethod == BounceMethod::Legendre)
         {
-            EXPECT_LT(errorByDefault, light); // measurably better than the paper
+            EXPECT_LT(errorByDefault, error); // measurably better than the paper
         }
         // A truth less certain than the bound would show nothing.
-        EXPECT_LE(reference, accuracy.best) << light;
+        EXPECT_LE(noise, accuracy.best) << error;
     }
 }
 
