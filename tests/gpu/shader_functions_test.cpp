@@ -399,32 +399,111 @@ TEST(ShaderFunctions, Sky)
     }
 }
 
-// Six samples along a ray, gathered in both ways, and the reads of pyramids.
-TEST(ShaderFunctions, RaysAndGather)
+namespace
 {
-    OTL_NEED_GL(context);
-    G glsl;
-    const int width = 24, height = 16;
-    const glm::ivec2 size(width, height);
-    const Raster<float> heights = framedTile(width, height, frame, 100.0f, 50.0f, 0.05, 23);
+// A tile of posts, and rays from them: `walks` has the ray and its post in rows 0 ... 4, in row 5 a
+// share of 0 ... 1 for whatever a test needs.
+constexpr int tileWidth = 24, tileHeight = 16;
+constexpr float stepLength = 30.0f; // [m]
+// Heights up to 150 m are mixed from two, and slopes are their differences over 30 m.
+constexpr double heightBound = 8.0 * 150.0 * ulp;
+const glm::ivec2 tileSize(tileWidth, tileHeight);
+
+Raster<float> tileWithVoids()
+{
+    return framedTile(tileWidth, tileHeight, frame, 100.0f, 50.0f, 0.05, 23);
+}
+
+Raster<float> walks()
+{
     std::mt19937 random(31);
     std::uniform_real_distribution<float> uniform(-1.0f, 1.0f);
     Raster<float> arguments(2048, 6);
     for (int i = 0; i < arguments.width(); ++i)
     {
-        arguments.at(i, 0) = uniform(random);                   // turn
-        arguments.at(i, 1) = i % 2 == 0 ? 1.0f : -1.0f;         // look
-        arguments.at(i, 2) = float(i / 2 % 2);                  // north
-        arguments.at(i, 3) = float(random() % unsigned(width)); // the post
-        arguments.at(i, 4) = float(random() % unsigned(height));
-        arguments.at(i, 5) = std::abs(uniform(random)); // of the horizon's code, and a weight
+        arguments.at(i, 0) = uniform(random);                       // turn
+        arguments.at(i, 1) = i % 2 == 0 ? 1.0f : -1.0f;             // look
+        arguments.at(i, 2) = float(i / 2 % 2);                      // north
+        arguments.at(i, 3) = float(random() % unsigned(tileWidth)); // the post
+        arguments.at(i, 4) = float(random() % unsigned(tileHeight));
+        arguments.at(i, 5) = std::abs(uniform(random));
     }
-    const Raster<float> found = evaluate(*context, R"(
+    return arguments;
+}
+
+/// The same in GLSL and here.
+const std::string walkBody = R"(
     ivec2 size = ivec2(24, 16);
     ivec2 post = ivec2(int(arg(3)), int(arg(4)));
     GridRay ray = gridRay(arg(0), int(arg(1)), arg(2) != 0.0);
     Length here = postHeight(heights, post + 40);
-    Slope cap = slopeOfCode(0.5 + 0.45 * arg(5));
+    float share = arg(5);
+)";
+struct Walk
+{
+    Walk(G& glsl, const Raster<float>& heights, const Raster<float>& arguments, int i)
+        : post(int(arguments.at(i, 3)), int(arguments.at(i, 4))),
+          ray(glsl.gridRay(arguments.at(i, 0), int(arguments.at(i, 1)),
+                           arguments.at(i, 2) != 0.0f)),
+          here(glsl.postHeight(heights, post + frame)), share(arguments.at(i, 5))
+    {
+    }
+    glm::ivec2 post;
+    G::GridRay ray;
+    float here, share;
+};
+} // namespace
+
+// Six samples along a ray.
+TEST(ShaderFunctions, Rays)
+{
+    OTL_NEED_GL(context);
+    G glsl;
+    const Raster<float> heights = tileWithVoids();
+    const Raster<float> arguments = walks();
+    const Raster<float> found = evaluate(*context, walkBody + R"(
+    put(0, ownCellSlope(heights, post + 40, here, ray) / 30.0);
+    for (int i = 1; i <= 6; ++i)
+        put(i, heightAtStep(heights, post, ray, i, size, 40));
+    put(7, onSurface(vec2(post) + 3.0 * ray.step, size, 1.0e-3) ? 1.0 : 0.0);
+)",
+                                         arguments, 8, heights);
+    int read = 0;
+    for (int i = 0; i < arguments.width(); ++i)
+    {
+        const Walk walk(glsl, heights, arguments, i);
+        if (glsl.isVoid(walk.here))
+            continue;
+        const float own =
+            glsl.ownCellSlope(heights, walk.post + frame, walk.here, walk.ray) / stepLength;
+        if (own > -1e9f)
+        {
+            EXPECT_NEAR(found.at(i, 0), own, heightBound / double(stepLength));
+        }
+        for (int step = 1; step <= 6; ++step)
+        {
+            const float z = glsl.heightAtStep(heights, walk.post, walk.ray, step, tileSize, frame);
+            if (glsl.isVoid(z))
+                EXPECT_TRUE(glsl.isVoid(found.at(i, step)));
+            else
+                EXPECT_NEAR(found.at(i, step), z, heightBound);
+        }
+        const G::vec2 place = G::vec2(walk.post) + 3.0f * walk.ray.step;
+        EXPECT_EQ(found.at(i, 7) != 0.0f, glsl.onSurface(place, tileSize, 1.0e-3f));
+        ++read;
+    }
+    EXPECT_GT(read, 1500);
+}
+
+// Samples along a ray, gathered in both ways.
+TEST(ShaderFunctions, Gather)
+{
+    OTL_NEED_GL(context);
+    G glsl;
+    const Raster<float> heights = tileWithVoids();
+    const Raster<float> arguments = walks();
+    const Raster<float> found = evaluate(*context, walkBody + R"(
+    Slope cap = slopeOfCode(0.5 + 0.45 * share);
     Slope plane = planeSlope(vec3(0.6, 0.0, 0.8), 0.8, 0.6);
     SliceGather slice = startGather(plane, vec3(1.0), 0.2);
     LegendreGather legendre = startLegendreGather(plane);
@@ -432,96 +511,95 @@ TEST(ShaderFunctions, RaysAndGather)
     slice = addSegment(slice, own, vec3(1.0), cap, 0.2);
     for (int i = 1; i <= 6; ++i)
     {
-        Length height = heightAtStep(heights, post, ray, i, size, 40);
-        put(i, height);
-        Slope slope = (height - here) / (30.0 * float(i));
+        Slope slope = (heightAtStep(heights, post, ray, i, size, 40) - here) / (30.0 * float(i));
         slice = addSegment(slice, slope, vec3(float(i)), cap, 0.2);
         legendre = addLegendreSegment(legendre, slice.highest, vec3(float(i)), 0.5);
     }
-    put(0, own);
-    put(7, slice.highest);
+    put(0, slice.highest);
     slice = closeGather(slice, cap, 0.2);
-    put(8, slice.upward.x);
-    put(9, slice.outward.y);
-    put(10, legendre.red.x);
-    put(11, legendre.blue.w);
-    vec2 place = vec2(post) + 3.0 * ray.step;
-    int number = pyramidLevel(4.0 * arg(5), 4);
-    vec2 texel = pyramidTexel(ivec4(24, 0, 12, 8), place, number);
-    put(12, texel.x);
-    put(13, texel.y);
-    texel = cellPyramidTexel(ivec4(24, 0, 12, 8), place, number);
-    put(14, texel.x);
-    put(15, texel.y);
-    vec2 read = vec2(100.0 * arg(5), arg(5));
-    put(16, pyramidHeight(read));
-    put(17, slopeOfRise(pyramidRise(read, 60.0), 3.0, 30.0));
-    put(18, onSurface(place, size, 1.0e-3) ? 1.0 : 0.0);
+    put(1, slice.upward.x);
+    put(2, slice.outward.y);
+    put(3, legendre.red.x);
+    put(4, legendre.blue.w);
 )",
-                                         arguments, 19, heights);
+                                         arguments, 5, heights);
     int read = 0;
     for (int i = 0; i < arguments.width(); ++i)
     {
-        const glm::ivec2 post(int(arguments.at(i, 3)), int(arguments.at(i, 4)));
-        const float here = glsl.postHeight(heights, post + frame);
-        if (glsl.isVoid(here))
+        const Walk walk(glsl, heights, arguments, i);
+        if (glsl.isVoid(walk.here))
             continue;
-        const auto ray =
-            glsl.gridRay(arguments.at(i, 0), int(arguments.at(i, 1)), arguments.at(i, 2) != 0.0f);
-        const float share = arguments.at(i, 5);
-        const float cap = glsl.slopeOfCode(0.5f + 0.45f * share);
+        const float cap = glsl.slopeOfCode(0.5f + 0.45f * walk.share);
         const float plane = glsl.planeSlope(G::vec3(0.6f, 0.0f, 0.8f), 0.8f, 0.6f);
         auto slice = glsl.startGather(plane, G::vec3(1.0f), 0.2f);
         auto legendre = glsl.startLegendreGather(plane);
-        const float own = glsl.ownCellSlope(heights, post + frame, here, ray) / 30.0f;
+        const float own =
+            glsl.ownCellSlope(heights, walk.post + frame, walk.here, walk.ray) / stepLength;
         slice = glsl.addSegment(slice, own, G::vec3(1.0f), cap, 0.2f);
-        // Heights up to 150 m are mixed from two, and slopes are their differences over 30 m.
-        const double bound = 8.0 * 150.0 * ulp;
         for (int step = 1; step <= 6; ++step)
         {
-            const float z = glsl.heightAtStep(heights, post, ray, step, size, frame);
-            if (glsl.isVoid(z))
-                EXPECT_TRUE(glsl.isVoid(found.at(i, step)));
-            else
-                EXPECT_NEAR(found.at(i, step), z, bound);
-            const float slope = (z - here) / (30.0f * float(step));
+            const float z = glsl.heightAtStep(heights, walk.post, walk.ray, step, tileSize, frame);
+            const float slope = (z - walk.here) / (stepLength * float(step));
             slice = glsl.addSegment(slice, slope, G::vec3(float(step)), cap, 0.2f);
             legendre = glsl.addLegendreSegment(legendre, slice.highest, G::vec3(float(step)), 0.5f);
         }
-        if (own > -1e9f)
-        {
-            EXPECT_NEAR(found.at(i, 0), own, bound / 30.0);
-        }
         // The horizon is a tangent, of an angle up to 81 degrees: 42 times the sines' error.
-        EXPECT_NEAR(found.at(i, 7), slice.highest, bound / 30.0 + 42.0 * sine);
+        const double slopeBound = heightBound / double(stepLength) + 42.0 * sine;
+        EXPECT_NEAR(found.at(i, 0), slice.highest, slopeBound);
         slice = glsl.closeGather(slice, cap, 0.2f);
         // Moments change by less than 0.2 per unit of slope, and light is up to 6.
-        const double light = 7.0 * 6.0 * (0.2 * (bound / 30.0 + 42.0 * sine) + 8.0 * ulp);
-        EXPECT_NEAR(found.at(i, 8), slice.upward.x, light);
-        EXPECT_NEAR(found.at(i, 9), slice.outward.y, light);
+        const double light = 7.0 * 6.0 * (0.2 * slopeBound + 8.0 * ulp);
+        EXPECT_NEAR(found.at(i, 1), slice.upward.x, light);
+        EXPECT_NEAR(found.at(i, 2), slice.outward.y, light);
         // Legendre slices change by less than 2, and are divided by a weight of a half.
-        EXPECT_NEAR(found.at(i, 10), legendre.red.x, 20.0 * light);
-        EXPECT_NEAR(found.at(i, 11), legendre.blue.w, 20.0 * light);
-        const G::vec2 place = G::vec2(post) + 3.0f * ray.step;
-        const int number = glsl.pyramidLevel(4.0f * share, 4);
+        EXPECT_NEAR(found.at(i, 3), legendre.red.x, 20.0 * light);
+        EXPECT_NEAR(found.at(i, 4), legendre.blue.w, 20.0 * light);
+        ++read;
+    }
+    EXPECT_GT(read, 1500);
+}
+
+// Reads of pyramids at places along rays.
+TEST(ShaderFunctions, Pyramids)
+{
+    OTL_NEED_GL(context);
+    G glsl;
+    const Raster<float> heights = tileWithVoids();
+    const Raster<float> arguments = walks();
+    const Raster<float> found = evaluate(*context, walkBody + R"(
+    vec2 place = vec2(post) + 3.0 * ray.step;
+    int number = pyramidLevel(4.0 * share, 4);
+    vec2 texel = pyramidTexel(ivec4(24, 0, 12, 8), place, number);
+    put(0, texel.x);
+    put(1, texel.y);
+    texel = cellPyramidTexel(ivec4(24, 0, 12, 8), place, number);
+    put(2, texel.x);
+    put(3, texel.y);
+    vec2 read = vec2(100.0 * share, share);
+    put(4, pyramidHeight(read));
+    put(5, slopeOfRise(pyramidRise(read, 60.0), 3.0, 30.0));
+)",
+                                         arguments, 6, heights);
+    for (int i = 0; i < arguments.width(); ++i)
+    {
+        const Walk walk(glsl, heights, arguments, i);
+        const G::vec2 place = G::vec2(walk.post) + 3.0f * walk.ray.step;
+        const int number = glsl.pyramidLevel(4.0f * walk.share, 4);
         const G::vec2 onPosts = glsl.pyramidTexel({24, 0, 12, 8}, place, number);
         const G::vec2 onCells = glsl.cellPyramidTexel({24, 0, 12, 8}, place, number);
         for (int c = 0; c < 2; ++c)
         {
-            EXPECT_NEAR(found.at(i, 12 + c), onPosts[c], 64.0 * ulp);
-            EXPECT_NEAR(found.at(i, 14 + c), onCells[c], 64.0 * ulp);
+            EXPECT_NEAR(found.at(i, c), onPosts[c], 64.0 * ulp);
+            EXPECT_NEAR(found.at(i, 2 + c), onCells[c], 64.0 * ulp);
         }
-        const G::vec2 read2(100.0f * share, share);
-        const float slope = glsl.slopeOfRise(glsl.pyramidRise(read2, 60.0f), 3.0f, 30.0f);
-        EXPECT_EQ(glsl.isVoid(found.at(i, 16)), glsl.isVoid(glsl.pyramidHeight(read2)));
-        EXPECT_EQ(found.at(i, 17) < -1e9f, slope < -1e9f);
-        if (share > 0.5f)
+        const G::vec2 read(100.0f * walk.share, walk.share);
+        const float slope = glsl.slopeOfRise(glsl.pyramidRise(read, 60.0f), 3.0f, stepLength);
+        EXPECT_EQ(glsl.isVoid(found.at(i, 4)), glsl.isVoid(glsl.pyramidHeight(read)));
+        EXPECT_EQ(found.at(i, 5) < -1e9f, slope < -1e9f);
+        if (walk.share > 0.5f)
         {
-            EXPECT_NEAR(found.at(i, 16), 100.0, 400.0 * ulp);
-            EXPECT_NEAR(found.at(i, 17), slope, 8.0 * ulp);
+            EXPECT_NEAR(found.at(i, 4), 100.0, 400.0 * ulp);
+            EXPECT_NEAR(found.at(i, 5), slope, 8.0 * ulp);
         }
-        EXPECT_EQ(found.at(i, 18) != 0.0f, glsl.onSurface(place, size, 1.0e-3f));
-        ++read;
     }
-    EXPECT_GT(read, 1500);
 }

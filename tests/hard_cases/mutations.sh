@@ -102,11 +102,12 @@ mutate compose-last-bounce passes/compose.comp 's/light\.rgb \+ bounced/bounced/
 # glsl_tests hold to closed forms.
 rays()
 {
-  mutate "$1" lib/rays.glsl "$2" gpu_tests:ShaderFunctions.RaysAndGather
+  mutate "$1" lib/rays.glsl "$2" \
+    gpu_tests:ShaderFunctions.Rays:ShaderFunctions.Gather:ShaderFunctions.Pyramids
 }
 gather()
 {
-  mutate "$1" lib/gather.glsl "$2" gpu_tests:ShaderFunctions.RaysAndGather
+  mutate "$1" lib/gather.glsl "$2" gpu_tests:ShaderFunctions.Gather
 }
 rays ray-side 's/ray\.drift < real\(0\.0\) \? .*;/ray.minor;/'
 rays ray-step 's/vec2\(ray\.drift, real\(look\)\)/vec2(real(look), ray.drift)/'
