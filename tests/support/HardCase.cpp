@@ -18,6 +18,7 @@
 #include <cstring>
 #include <limits>
 #include <sstream>
+#include <utility>
 
 namespace osgTerrainLight::hard
 {
@@ -338,117 +339,157 @@ double normalRounding(const DemTile& tile, int column, int row)
 }
 
 /// (c): the shared functions in float against double, on this tile's own heights.
-void checkConditioning(const HardCase& hardCase, const Relief& relief)
+class Conditioning
 {
-    const DemTile& tile = hardCase.tile;
-    const Raster<float> heights = framedHeights<float>(tile, frame);
-    const Raster<double> exact = framedHeights<double>(tile, frame);
-    Glsl<float> single;
-    Glsl<double> twofold;
-    const auto at = [](int x, int y)
-    { return [x, y] { return "post " + std::to_string(x) + ' ' + std::to_string(y); }; };
+public:
+    Conditioning(const HardCase& hardCase, const Relief& relief)
+        : _name(hardCase.name), _tile(hardCase.tile), _relief(relief),
+          _heights(framedHeights<float>(_tile, frame)), _exact(framedHeights<double>(_tile, frame)),
+          _near(_name + ", nearHorizon in float"), _normals(_name + ", postNormal in float"),
+          _slices(_name + ", skySlice in float"), _discs(_name + ", visibleDiscFraction in float"),
+          _angles(_name + ", elevationOfSlope in float")
+    {
+    }
 
-    Tally near(hardCase.name + ", nearHorizon in float");
-    double worst = 0.0;
-    constexpr double nothing = -1e9; // slopes below: a void, or nothing ahead
-    constexpr int reach = 8;
-    for (const bool north : {false, true})
-        // No ray of these passes a post so closely that float and double could disagree on its
-        // side.
-        for (const float tangent : {0.0f, 1.0f, 0.5f, 0.6180339f})
-            for (int block = 0; block < (north ? tile.width() : tile.height()); block += 8)
-                for (int i = 0; i < (north ? tile.height() : tile.width()); ++i)
-                {
-                    const glm::ivec2 first = north ? glm::ivec2(block, i) : glm::ivec2(i, block);
-                    const glm::ivec2 major = north ? glm::ivec2(0, -1) : glm::ivec2(1, 0);
-                    const glm::ivec2 minor = north ? glm::ivec2(1, 0) : glm::ivec2(0, 1);
-                    const auto found =
-                        single.nearHorizon(heights, {first + frame, major, minor, tangent}, reach);
-                    const auto expected = twofold.nearHorizon(
-                        exact, {first + frame, major, minor, static_cast<double>(tangent)}, reach);
-                    for (int k = 0; k < 8; ++k)
-                    {
-                        const glm::ivec2 post = first + minor * k;
-                        if (post.x >= tile.width() || post.y >= tile.height() ||
-                            !tile.isValid(post.x, post.y))
-                            continue;
-                        const double a = static_cast<double>(found.slopes[k]);
-                        const double b = expected.slopes[k];
-                        if (a < nothing && b < nothing)
-                            continue;
-                        const double bound = relief.rounding(b, reach);
-                        near.take(a, b - bound, b + bound, at(post.x, post.y));
-                        worst = std::max(worst, std::abs(a - b) / bound);
-                    }
-                }
-    near.report();
+    void check()
+    {
+        nearHorizons();
+        for (int y = 0; y < _tile.height(); ++y)
+            for (int x = 0; x < _tile.width(); ++x)
+                if (_tile.isValid(x, y))
+                    lightOfPost(x, y);
+        for (const Tally* tally : {&_near, &_normals, &_slices, &_discs, &_angles})
+            tally->report();
+        std::printf("%-26s float against double, near horizon: %.2f of its bound\n", _name.c_str(),
+                    _worstNear);
+    }
 
-    Tally normals(hardCase.name + ", postNormal in float");
-    Tally slices(hardCase.name + ", skySlice in float");
-    Tally discs(hardCase.name + ", visibleDiscFraction in float");
-    Tally angles(hardCase.name + ", elevationOfSlope in float");
-    const float radius = static_cast<float>(0.2666 / radian);
-    for (int y = 0; y < tile.height(); ++y)
-        for (int x = 0; x < tile.width(); ++x)
+private:
+    static auto at(int x, int y)
+    {
+        return [x, y] { return "post " + std::to_string(x) + ' ' + std::to_string(y); };
+    }
+
+    void nearHorizons()
+    {
+        for (const bool north : {false, true})
+            // No ray of these passes a post so closely that float and double could disagree on its
+            // side.
+            for (const float tangent : {0.0f, 1.0f, 0.5f, 0.6180339f})
+                for (int block = 0; block < (north ? _tile.width() : _tile.height()); block += 8)
+                    for (int i = 0; i < (north ? _tile.height() : _tile.width()); ++i)
+                        nearHorizonOfBlock(north ? glm::ivec2(block, i) : glm::ivec2(i, block),
+                                           north, tangent);
+    }
+
+    void nearHorizonOfBlock(const glm::ivec2& first, bool north, float tangent)
+    {
+        constexpr double nothing = -1e9; // slopes below: a void, or nothing ahead
+        constexpr int reach = 8;
+        const glm::ivec2 major = north ? glm::ivec2(0, -1) : glm::ivec2(1, 0);
+        const glm::ivec2 minor = north ? glm::ivec2(1, 0) : glm::ivec2(0, 1);
+        const auto found =
+            _single.nearHorizon(_heights, {first + frame, major, minor, tangent}, reach);
+        const auto expected = _twofold.nearHorizon(
+            _exact, {first + frame, major, minor, static_cast<double>(tangent)}, reach);
+        for (int k = 0; k < 8; ++k)
         {
-            if (!tile.isValid(x, y))
+            const glm::ivec2 post = first + minor * k;
+            if (post.x >= _tile.width() || post.y >= _tile.height() ||
+                !_tile.isValid(post.x, post.y))
                 continue;
-            const glm::ivec2 post(x + frame, y + frame);
-            const float eastStep = static_cast<float>(tile.eastSpacing(y));
-            const float northStep = static_cast<float>(tile.northSpacing);
-            const glm::vec3 normal = single.postNormal(heights, post, eastStep, northStep);
-            const glm::dvec3 exactNormal = twofold.postNormal(
-                exact, post, static_cast<double>(eastStep), static_cast<double>(northStep));
-            const double bound = normalRounding(tile, x, y);
-            for (int i = 0; i < 3; ++i)
-                normals.take(static_cast<double>(normal[i]), exactNormal[i] - bound,
-                             exactNormal[i] + bound, at(x, y));
-
-            // The steepest of the four neighbours stands for the post's horizons.
-            float slope = -1.0f;
-            for (const glm::ivec2 to :
-                 {glm::ivec2(1, 0), glm::ivec2(-1, 0), glm::ivec2(0, 1), glm::ivec2(0, -1)})
-            {
-                const float beside = heights.at(post.x + to.x, post.y + to.y);
-                if (!single.isVoid(beside))
-                    slope = std::max(slope, (beside - heights.at(post.x, post.y)) /
-                                                (to.x != 0 ? eastStep : northStep));
-            }
-            const float elevation = single.elevationOfSlope(slope);
-            const double steep = std::atan(static_cast<double>(slope));
-            // The polynomial, and four roundings of up to 90 degrees.
-            const double arc = 2e-8 + 4.0 * u * (pi / 2.0);
-            angles.take(static_cast<double>(elevation), steep - arc, steep + arc, at(x, y));
-
-            // The terms of a slice are at most width/2 and width·pi/2; 16 roundings.
-            const float width = static_cast<float>(2.0 * pi / 16.0);
-            const double sliceBound = static_cast<double>(width) * 16.0 * u;
-            const float cosine = std::cos(1.0f), sine = std::sin(1.0f);
-            for (int definition : {0, 1, 2})
-            {
-                const double expected = twofold.skySlice(
-                    static_cast<double>(elevation), glm::dvec3(normal), static_cast<double>(cosine),
-                    static_cast<double>(sine), static_cast<double>(width), definition);
-                slices.take(static_cast<double>(single.skySlice(elevation, normal, cosine, sine,
-                                                                width, definition)),
-                            expected - sliceBound, expected + sliceBound, at(x, y));
-            }
-            // The arc's error over pi, four roundings of at most 1, the root's least value 1e-7.
-            const double discBound = (2e-8 + 4.0 * u + 1e-7) / pi + 4.0 * u;
-            for (const float sun : {0.0f, elevation, elevation + 0.7f * radius})
-            {
-                const float above = sun - std::max(elevation, 0.0f);
-                const double expected = twofold.visibleDiscFraction(static_cast<double>(above),
-                                                                    static_cast<double>(radius));
-                discs.take(static_cast<double>(single.visibleDiscFraction(above, radius)),
-                           expected - discBound, expected + discBound, at(x, y));
-            }
+            const double a = static_cast<double>(found.slopes[k]);
+            const double b = expected.slopes[k];
+            if (a < nothing && b < nothing)
+                continue;
+            const double bound = _relief.rounding(b, reach);
+            _near.take(a, b - bound, b + bound, at(post.x, post.y));
+            _worstNear = std::max(_worstNear, std::abs(a - b) / bound);
         }
-    for (const Tally* tally : {&normals, &slices, &discs, &angles})
-        tally->report();
-    std::printf("%-26s float against double, near horizon: %.2f of its bound\n",
-                hardCase.name.c_str(), worst);
-}
+    }
+
+    /// What the light of a post is made of, with the slope of its steepest neighbour for its
+    /// horizons.
+    void lightOfPost(int x, int y)
+    {
+        const glm::ivec2 post(x + frame, y + frame);
+        const float eastStep = static_cast<float>(_tile.eastSpacing(y));
+        const float northStep = static_cast<float>(_tile.northSpacing);
+        const glm::vec3 normal = _single.postNormal(_heights, post, eastStep, northStep);
+        const glm::dvec3 exactNormal = _twofold.postNormal(
+            _exact, post, static_cast<double>(eastStep), static_cast<double>(northStep));
+        const double bound = normalRounding(_tile, x, y);
+        for (int i = 0; i < 3; ++i)
+            _normals.take(static_cast<double>(normal[i]), exactNormal[i] - bound,
+                          exactNormal[i] + bound, at(x, y));
+
+        const float slope = steepest(post, eastStep, northStep);
+        const float elevation = _single.elevationOfSlope(slope);
+        const double steep = std::atan(static_cast<double>(slope));
+        // The polynomial, and four roundings of up to 90 degrees.
+        const double arc = 2e-8 + 4.0 * u * (pi / 2.0);
+        _angles.take(static_cast<double>(elevation), steep - arc, steep + arc, at(x, y));
+        skySlices(x, y, normal, elevation);
+        sunDiscs(x, y, elevation);
+    }
+
+    /// Greatest slope to one of a texel's four neighbours, at least -1.
+    float steepest(const glm::ivec2& post, float eastStep, float northStep)
+    {
+        float slope = -1.0f;
+        for (const glm::ivec2 to :
+             {glm::ivec2(1, 0), glm::ivec2(-1, 0), glm::ivec2(0, 1), glm::ivec2(0, -1)})
+        {
+            const float beside = _heights.at(post.x + to.x, post.y + to.y);
+            if (!_single.isVoid(beside))
+                slope = std::max(slope, (beside - _heights.at(post.x, post.y)) /
+                                            (to.x != 0 ? eastStep : northStep));
+        }
+        return slope;
+    }
+
+    void skySlices(int x, int y, const glm::vec3& normal, float elevation)
+    {
+        // The terms of a slice are at most width/2 and width·pi/2; 16 roundings.
+        const float width = static_cast<float>(2.0 * pi / 16.0);
+        const double bound = static_cast<double>(width) * 16.0 * u;
+        const float cosine = std::cos(1.0f), sine = std::sin(1.0f);
+        for (int definition : {0, 1, 2})
+        {
+            const double expected = _twofold.skySlice(
+                static_cast<double>(elevation), glm::dvec3(normal), static_cast<double>(cosine),
+                static_cast<double>(sine), static_cast<double>(width), definition);
+            _slices.take(static_cast<double>(
+                             _single.skySlice(elevation, normal, cosine, sine, width, definition)),
+                         expected - bound, expected + bound, at(x, y));
+        }
+    }
+
+    void sunDiscs(int x, int y, float elevation)
+    {
+        // The arc's error over pi, four roundings of at most 1, the root's least value 1e-7.
+        const double bound = (2e-8 + 4.0 * u + 1e-7) / pi + 4.0 * u;
+        const float radius = static_cast<float>(0.2666 / radian);
+        for (const float sun : {0.0f, elevation, elevation + 0.7f * radius})
+        {
+            const float above = sun - std::max(elevation, 0.0f);
+            const double expected = _twofold.visibleDiscFraction(static_cast<double>(above),
+                                                                 static_cast<double>(radius));
+            _discs.take(static_cast<double>(_single.visibleDiscFraction(above, radius)),
+                        expected - bound, expected + bound, at(x, y));
+        }
+    }
+
+    const std::string& _name;
+    const DemTile& _tile;
+    const Relief& _relief;
+    const Raster<float> _heights;
+    const Raster<double> _exact;
+    Glsl<float> _single;
+    Glsl<double> _twofold;
+    Tally _near, _normals, _slices, _discs, _angles;
+    double _worstNear = 0.0; ///< error over its bound
+};
 
 LightingSettings settingsOf(HorizonQuality quality, int azimuths)
 {
@@ -599,24 +640,11 @@ public:
         Tally fractions(_name + ", visible fraction of the sun");
         Tally lights(_name + ", light");
         const MapDirection direction = directionAt((90.0 - sky.sunAzimuth) / radian);
-        // The disc's left, centre and right.
-        const double side = std::atan2(std::sin(0.85 * sky.sunAngularRadius / radian),
-                                       std::cos(sky.sunElevation / radian));
-        const MapDirection across[3] = {directionAt((90.0 - sky.sunAzimuth) / radian + side),
-                                        direction,
-                                        directionAt((90.0 - sky.sunAzimuth) / radian - side)};
         const double level = std::cos(sky.sunElevation / radian);
         const reference::Vector3 sun = {direction.east * level, direction.north * level,
                                         std::sin(sky.sunElevation / radian)};
-        const double radius = sky.sunAngularRadius / radian;
-        // Angles in float, over the disc's radius; its area grows by at most 2/pi per radius.
-        const double angle = decodeError + 2.0 * u * std::abs(sky.sunElevation) / radian;
-        const double fractionRounding = 2.0 / pi * angle / radius + (2e-8 + 4.0 * u) / pi + 8.0 * u;
-        const double defect = stripDefect();
         // Half a unit of a half float, to which the shader rounds.
         constexpr double half = 1.0 / 2048.0;
-        reference::HorizonOptions options;
-        options.highest = _relief.highest;
         for (int y = 0; y < _tile.height(); ++y)
             for (int x = 0; x < _tile.width(); ++x)
             {
@@ -632,33 +660,7 @@ public:
                         lights.take(static_cast<double>(found[i]), 0.0, 0.0, where);
                     continue;
                 }
-                double low = 0.0, high = 0.0;
-                if (hasSun(sky))
-                {
-                    double lowest[3], highest[3]; // of the disc's centre over the horizons
-                    for (std::size_t i = 0; i < 3; ++i)
-                    {
-                        const reference::Horizon expected =
-                            reference::exhaustiveHorizon(_tile, x, y, across[i], options);
-                        const Allowed allowed =
-                            allowedHorizon(_case, _relief, x, y, across[i], expected, _sunScheme);
-                        const auto above = [&](double horizon)
-                        { return (sky.sunElevation - std::max(0.0, horizon)) / radian; };
-                        lowest[i] = above(allowed.high);
-                        highest[i] = above(allowed.low);
-                    }
-                    // The strips' sum falls with each horizon. What makes a straight horizon
-                    // exact need not: it is below `defect`, and changes by at most 1.5 per radius.
-                    const auto visible = [&](const double* above) {
-                        return Glsl<double>().visibleDiscFractionAcross(above[0], above[1],
-                                                                        above[2], radius);
-                    };
-                    const double wrong =
-                        fractionRounding * 3.0 +
-                        std::min(2.0 * defect, 1.5 * (highest[1] - lowest[1]) / radius);
-                    low = std::max(0.0, visible(lowest) - wrong);
-                    high = std::min(1.0, visible(highest) + wrong);
-                }
+                const auto [low, high] = visibleSun(sky, x, y);
                 fractions.take(static_cast<double>(found.a()), low * (1.0 - half),
                                high * (1.0 + half), where);
                 const reference::Vector3 normal = reference::surfaceNormal(_tile, x, y);
@@ -684,9 +686,41 @@ public:
     }
 
 private:
-    static bool hasSun(const SkyLight& sky)
+    /// Between what the visible fraction of the sun's disc may be at a post.
+    std::pair<double, double> visibleSun(const SkyLight& sky, int x, int y) const
     {
-        return sky.sunElevation + sky.sunAngularRadius > 0.0;
+        if (sky.sunElevation + sky.sunAngularRadius <= 0.0)
+            return {0.0, 0.0};
+        const double middle = (90.0 - sky.sunAzimuth) / radian;
+        const double side = std::atan2(std::sin(0.85 * sky.sunAngularRadius / radian),
+                                       std::cos(sky.sunElevation / radian));
+        reference::HorizonOptions options;
+        options.highest = _relief.highest;
+        double lowest[3], highest[3]; // of the disc's centre over the horizons
+        for (const int i : {0, 1, 2}) // the disc's left, centre and right
+        {
+            const MapDirection across = directionAt(middle + (1 - i) * side);
+            const reference::Horizon expected =
+                reference::exhaustiveHorizon(_tile, x, y, across, options);
+            const Allowed allowed =
+                allowedHorizon(_case, _relief, x, y, across, expected, _sunScheme);
+            const auto above = [&](double horizon)
+            { return (sky.sunElevation - std::max(0.0, horizon)) / radian; };
+            lowest[i] = above(allowed.high);
+            highest[i] = above(allowed.low);
+        }
+        const double radius = sky.sunAngularRadius / radian;
+        const auto visible = [&](const double* above)
+        { return Glsl<double>().visibleDiscFractionAcross(above[0], above[1], above[2], radius); };
+        // Angles in float, over the disc's radius; its area grows by at most 2/pi per radius.
+        const double angle = decodeError + 2.0 * u * std::abs(sky.sunElevation) / radian;
+        const double rounding = 2.0 / pi * angle / radius + (2e-8 + 4.0 * u) / pi + 8.0 * u;
+        // The strips' sum falls with each horizon. What makes a straight horizon exact need not: it
+        // is below `defect`, and changes by at most 1.5 per radius.
+        static const double defect = stripDefect();
+        const double wrong =
+            rounding * 3.0 + std::min(2.0 * defect, 1.5 * (highest[1] - lowest[1]) / radius);
+        return {std::max(0.0, visible(lowest) - wrong), std::min(1.0, visible(highest) + wrong)};
     }
     static std::string at(int x, int y)
     {
@@ -717,7 +751,7 @@ void checkHardCase(osg::State& state, const HardCase& hardCase)
     ASSERT_GT(tile.validCount(), 0u) << hardCase.name;
     ASSERT_FALSE(hardCase.suns.empty());
     const Relief relief(tile);
-    checkConditioning(hardCase, relief);
+    Conditioning(hardCase, relief).check();
 
     reference::HorizonOptions options;
     options.highest = relief.highest;
