@@ -101,6 +101,61 @@ reference::Triangle facing(const Vector3& place, const Vector3& normal)
     }
     return triangle;
 }
+
+/// With one key light, in the north.
+SkyLight skyWithAKeyLight()
+{
+    SkyLight sky;
+    sky.skyRadiance = {0.4f, 0.5f, 0.7f};
+    sky.sunAzimuth = 270.0;
+    sky.sunElevation = 60.0;
+    sky.sunIrradiance = {3.0f, 3.0f, 3.0f};
+    KeyLight key;
+    key.azimuth = 0.0;
+    key.radiance = {0.5f, 1.0f, 0.5f};
+    sky.keyLights = {key};
+    return sky;
+}
+
+reference::Illumination illuminationOf(const SkyLight& sky)
+{
+    reference::Illumination illumination;
+    illumination.light = sky;
+    illumination.environment = [sky](const Vector3& d) -> reference::LinearRgb
+    {
+        const KeyLight& key = sky.keyLights.front();
+        const double azimuth = std::atan2(d[0], d[1]) * 180.0 / pi;
+        const double elevation = std::asin(std::clamp(d[2], -1.0, 1.0)) * 180.0 / pi;
+        const bool lit = std::abs(azimuth) < 0.5 * key.width && elevation > key.lowest &&
+                         elevation < key.highest;
+        reference::LinearRgb radiance;
+        for (std::size_t c = 0; c < 3; ++c)
+            radiance[c] = double(sky.skyRadiance[c]) + (lit ? double(key.radiance[c]) : 0.0);
+        return radiance;
+    };
+    return illumination;
+}
+
+/// Gives what a triangle over the valley receives, but for what comes straight from the sun.
+void traceInTheValley(const DemTile& tile, const reference::Triangle& triangle,
+                      const reference::Illumination& illumination,
+                      const reference::PathTracerOptions& options, reference::LinearRgb& received)
+{
+    reference::SceneDescription scene;
+    scene.tile = tile;
+    scene.albedos = redInTheEast(tile.width(), tile.height());
+    scene.triangles = {triangle};
+    const auto tracer = reference::PathTracer::build(scene);
+    ASSERT_TRUE(tracer.ok()) << tracer.error().message;
+    reference::Receiver receiver;
+    receiver.triangle = 0;
+    const auto light = tracer->trace(illumination, {receiver}, options);
+    ASSERT_TRUE(light.ok()) << light.error().message;
+    received = light->front().sky.mean;
+    for (const reference::Estimate& bounce : light->front().bounces)
+        for (std::size_t c = 0; c < 3; ++c)
+            received[c] += bounce.mean[c];
+}
 } // namespace
 
 // Expected: closed form of a plain of albedo a under a sky L: L (1 + z) / 2 + a L (1 − z) / 2; of
@@ -213,15 +268,7 @@ TEST(LightProbe, InAValleyAgainstThePathTracer)
     LightingSettings settings;
     settings.bounces = 2;
     settings.azimuths = 32;
-    SkyLight sky;
-    sky.skyRadiance = {0.4f, 0.5f, 0.7f};
-    sky.sunAzimuth = 270.0;
-    sky.sunElevation = 60.0;
-    sky.sunIrradiance = {3.0f, 3.0f, 3.0f};
-    KeyLight key;
-    key.azimuth = 0.0;
-    key.radiance = {0.5f, 1.0f, 0.5f};
-    sky.keyLights = {key};
+    const SkyLight sky = skyWithAKeyLight();
     const osg::ref_ptr<TileLight> lighting = new TileLight(tile, settings, sky);
     lighting->setAlbedo(redInTheEast(posts, posts));
     // Over the bottom's crease, where posts have other normals than the faces beside them; and over
@@ -235,56 +282,33 @@ TEST(LightProbe, InAValleyAgainstThePathTracer)
     ASSERT_TRUE(done.ok()) << done.error().message;
     EXPECT_EQ(takeGlErrors(), "");
 
-    reference::Illumination illumination;
-    illumination.light = sky;
-    illumination.environment = [&](const Vector3& d) -> reference::LinearRgb
-    {
-        const double azimuth = std::atan2(d[0], d[1]) * 180.0 / pi;
-        const double elevation = std::asin(std::clamp(d[2], -1.0, 1.0)) * 180.0 / pi;
-        const bool lit = std::abs(azimuth) < 0.5 * key.width && elevation > key.lowest &&
-                         elevation < key.highest;
-        reference::LinearRgb radiance;
-        for (std::size_t c = 0; c < 3; ++c)
-            radiance[c] = double(sky.skyRadiance[c]) + (lit ? double(key.radiance[c]) : 0.0);
-        return radiance;
-    };
+    const reference::Illumination illumination = illuminationOf(sky);
     reference::PathTracerOptions options;
     options.samples = 8192;
     options.bounces = settings.bounces + 1;
     for (std::size_t k = 0; k < places.size(); ++k)
     {
+        const int column = static_cast<int>(places[k].column);
+        const Vector3 at = {column * 10.0, posts / 2 * 10.0,
+                            double(tile.heightAt(column, posts / 2)) + places[k].height};
+        const std::vector<float> found = readCube(state, *places[k].diffuse);
         double greatest = 0.0, worst = 0.0, mean = 0.0;
         int count = 0;
         for (const int texel : {side / 2, side * side / 2 + side / 2 + 3})
             for (int face = 0; face < 6; ++face)
             {
-                const int i = texel;
-                const auto n = directionOnCube(face, 2.0 * (i % side + 0.5) / side - 1.0,
-                                               2.0 * (i / side % side + 0.5) / side - 1.0);
-                const int column = static_cast<int>(places[k].column);
-                const Vector3 at = {column * 10.0, posts / 2 * 10.0,
-                                    double(tile.heightAt(column, posts / 2)) + places[k].height};
-                reference::SceneDescription scene;
-                scene.tile = tile;
-                scene.albedos = redInTheEast(posts, posts);
-                scene.triangles = {facing(at, {n[0], n[1], n[2]})};
-                auto tracer = reference::PathTracer::build(scene);
-                ASSERT_TRUE(tracer.ok()) << tracer.error().message;
-                reference::Receiver receiver;
-                receiver.triangle = 0;
-                const auto light = tracer->trace(illumination, {receiver}, options);
-                ASSERT_TRUE(light.ok()) << light.error().message;
-                const std::vector<float> found = readCube(state, *places[k].diffuse);
+                const auto n = directionOnCube(face, 2.0 * (texel % side + 0.5) / side - 1.0,
+                                               2.0 * (texel / side % side + 0.5) / side - 1.0);
+                reference::LinearRgb truth = {};
+                ASSERT_NO_FATAL_FAILURE(
+                    traceInTheValley(tile, facing(at, n), illumination, options, truth));
                 const float* rgba =
                     &found[4 * static_cast<std::size_t>(face * side * side + texel)];
                 for (std::size_t c = 0; c < 3; ++c)
                 {
-                    double truth = light->front().sky.mean[c];
-                    for (const auto& bounce : light->front().bounces)
-                        truth += bounce.mean[c];
-                    greatest = std::max(greatest, truth);
-                    worst = std::max(worst, std::abs(double(rgba[c]) - truth));
-                    mean += std::abs(double(rgba[c]) - truth);
+                    greatest = std::max(greatest, truth[c]);
+                    worst = std::max(worst, std::abs(double(rgba[c]) - truth[c]));
+                    mean += std::abs(double(rgba[c]) - truth[c]);
                     ++count;
                 }
                 EXPECT_EQ(rgba[3], 1.0f); // the sun stands over the valley's side

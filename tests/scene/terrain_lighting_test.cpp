@@ -174,25 +174,36 @@ TEST(TerrainLighting, DefaultProgramMultipliesExposesAndEncodes)
     EXPECT_EQ(takeGlErrors(), "");
 }
 
-// Expected: closed form of a plain. Of a sky of L the lobe of exponent 8 sends L (1/2 + 3/4 · 9/10
-// z - 7/16 · 21/40 P3(z)) through order 4; of a sun whose mirror direction is at an angle a, 9/2π
-// cos⁸ a.
-TEST(TerrainLighting, DefaultProgramAddsWhatGlossSendsToTheViewer)
+namespace
 {
-    OTL_NEED_GL(context);
-    Said said;
-    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
-    SkyLight sky = whiteSky(0.1f);
-    sky.sunEnabled = true;
-    sky.sunAzimuth = 0.0;
-    sky.sunElevation = 50.0;
-    sky.sunIrradiance = {0.3f, 0.3f, 0.3f};
-    lighting->setSkyLight(sky);
-    lighting->addChild(createTerrain(analytic::plane(33, 33, 20.0, 0.0)));
-    ScenePicture picture(lighting, reach);
-    constexpr double pi = 3.14159265358979323846;
-    const auto expected = [&](double gloss, double elevation)
+/// White, level and in the sun, as glossy as settings or layers say.
+class GlossyPlain
+{
+public:
+    GlossyPlain() : lighting(lightingWithoutBudget())
     {
+        SkyLight sky = whiteSky(0.1f);
+        sky.sunEnabled = true;
+        sky.sunAzimuth = 0.0;
+        sky.sunElevation = 50.0;
+        sky.sunIrradiance = {0.3f, 0.3f, 0.3f};
+        lighting->setSkyLight(sky);
+        lighting->addChild(createTerrain(analytic::plane(33, 33, 20.0, 0.0)));
+    }
+
+    void setGloss(double gloss)
+    {
+        LightingSettings settings = lighting->getSettings();
+        settings.gloss = gloss;
+        lighting->setSettings(settings);
+    }
+
+    /// Of red in the picture, from the south and so many degrees above it. Of a sky of L the lobe
+    /// of exponent 8 sends L (1/2 + 3/4 · 9/10 z - 7/16 · 21/40 P3(z)) through order 4; of a sun
+    /// whose mirror direction is at an angle a, 9/2π cos⁸ a.
+    static double expected(double gloss, double elevation)
+    {
+        constexpr double pi = 3.14159265358979323846;
         const double z = std::sin(elevation * pi / 180.0);
         const double angle = (elevation - 50.0) * pi / 180.0;
         const double linear =
@@ -200,21 +211,46 @@ TEST(TerrainLighting, DefaultProgramAddsWhatGlossSendsToTheViewer)
             gloss * (0.1 * (0.5 + 0.675 * z - 7.0 / 16.0 * 0.525 * 0.5 * (5.0 * z * z - 3.0) * z) +
                      0.3 * 9.0 / (2.0 * pi) * std::pow(std::cos(angle), 8.0));
         return 255.0 * (1.055 * std::pow(linear, 1.0 / 2.4) - 0.055);
-    };
+    }
+
+    /// From the south; the sun's mirror direction is 50 degrees high there.
+    static void look(ScenePicture& picture, double elevation)
+    {
+        const double e = osg::DegreesToRadians(elevation);
+        picture.viewer().getCamera()->setViewMatrixAsLookAt(
+            osg::Vec3d(0.0, -std::cos(e), std::sin(e)) * 5.0e5, osg::Vec3d(),
+            osg::Vec3d(0.0, 1.0, 0.0));
+    }
+
+    const osg::ref_ptr<TerrainLighting> lighting;
+};
+
+/// A picture of gloss: 0 in the west, of exponent 8 in the east.
+osg::ref_ptr<osg::Image> glossInTheEast(unsigned char gloss)
+{
+    const osg::ref_ptr<osg::Image> image = new osg::Image;
+    image->allocateImage(2, 1, 1, GL_RGB, GL_UNSIGNED_BYTE);
+    const std::vector<unsigned char> texels = {0, 0, 0, gloss, 32, 255};
+    std::copy(texels.begin(), texels.end(), image->data());
+    return image;
+}
+} // namespace
+
+// Expected: closed form of a plain (GlossyPlain).
+TEST(TerrainLighting, DefaultProgramAddsWhatGlossSendsToTheViewer)
+{
+    OTL_NEED_GL(context);
+    Said said;
+    GlossyPlain plain;
+    ScenePicture picture(plain.lighting, reach);
     for (double gloss : {0.0, 0.6, 0.0})
     {
-        LightingSettings settings = lighting->getSettings();
-        settings.gloss = gloss;
-        lighting->setSettings(settings);
-        // From above, and from the south: the sun's mirror direction is 50 degrees high there.
+        plain.setGloss(gloss);
         for (double elevation : {90.0, 70.0, 50.0})
         {
-            const double e = elevation * pi / 180.0;
-            picture.viewer().getCamera()->setViewMatrixAsLookAt(
-                osg::Vec3d(0.0, -std::cos(e), std::sin(e)) * 5.0e5, osg::Vec3d(),
-                osg::Vec3d(0.0, 1.0, 0.0));
+            plain.look(picture, elevation);
             picture.draw(2);
-            EXPECT_NEAR(picture.redAt(0, 0), expected(gloss, elevation), 1.5)
+            EXPECT_NEAR(picture.redAt(0, 0), plain.expected(gloss, elevation), 1.5)
                 << gloss << " from " << elevation;
         }
     }
@@ -226,51 +262,50 @@ TEST(TerrainLighting, DefaultProgramAddsWhatGlossSendsToTheViewer)
     EXPECT_TRUE(displaced->getPCP(picture.state())->isLinked());
 
     // Set between update and drawing: computed before it is bound, drawn lit all the same.
-    LightingSettings settings = lighting->getSettings();
-    settings.gloss = 0.6;
     picture.viewer().advance();
     picture.viewer().updateTraversal();
-    lighting->setSettings(settings);
+    plain.setGloss(0.6);
     picture.viewer().renderingTraversals();
     picture.draw(2);
-    EXPECT_NEAR(picture.redAt(0, 0), expected(0.6, 50.0), 1.5);
+    EXPECT_NEAR(picture.redAt(0, 0), plain.expected(0.6, 50.0), 1.5);
     EXPECT_EQ(said.text(), "");
     EXPECT_EQ(takeGlErrors(), "");
+}
 
-    // A layer of gloss, 0 in the west and 0.6 with exponent 8 in the east, instead of the
-    // settings'.
-    settings.gloss = 0.0;
-    lighting->setSettings(settings);
-    const auto setLayer = [&](unsigned char east)
-    {
-        const osg::ref_ptr<osg::Image> image = new osg::Image;
-        image->allocateImage(2, 1, 1, GL_RGB, GL_UNSIGNED_BYTE);
-        const std::vector<unsigned char> texels = {0, 0, 0, east, 32, 255};
-        std::copy(texels.begin(), texels.end(), image->data());
-        return image;
-    };
-    const osg::ref_ptr<osgTerrain::ImageLayer> layer = new osgTerrain::ImageLayer(setLayer(153));
+// A layer of gloss instead of the settings', and after it has changed; a layer that the tile has
+// not is none, one that cannot be is refused.
+TEST(TerrainLighting, GlossLayerReplacesTheSettingsGloss)
+{
+    OTL_NEED_GL(context);
+    Said said;
+    GlossyPlain plain;
+    TerrainLighting& lighting = *plain.lighting;
+    ScenePicture picture(&lighting, reach);
+    plain.look(picture, 50.0);
+    plain.setGloss(0.6);
+    picture.draw(2);
+    plain.setGloss(0.0);
+    const osg::ref_ptr<osgTerrain::ImageLayer> layer =
+        new osgTerrain::ImageLayer(glossInTheEast(153)); // 0.6
     auto* tile =
-        dynamic_cast<osgTerrain::TerrainTile*>(lighting->getChild(0)->asGroup()->getChild(0));
+        dynamic_cast<osgTerrain::TerrainTile*>(lighting.getChild(0)->asGroup()->getChild(0));
     ASSERT_TRUE(tile);
     tile->setColorLayer(1, layer);
-    lighting->setGlossLayer(1);
+    lighting.setGlossLayer(1);
     picture.draw(2);
     const double west = picture.redAt(-0.5, 0);
     EXPECT_GT(picture.redAt(0.5, 0), west + 20.0);
-    const osg::ref_ptr<osg::Image> half = setLayer(77);
-    layer->setImage(half);
+    layer->setImage(glossInTheEast(77)); // half of it
     picture.draw(2);
-    const double less = picture.redAt(0.5, 0);
-    EXPECT_GT(less, west + 10.0);
-    lighting->setGlossLayer(2); // which it has not
+    EXPECT_GT(picture.redAt(0.5, 0), west + 10.0);
+    lighting.setGlossLayer(2); // which it has not
     picture.draw(2);
     EXPECT_NEAR(picture.redAt(0.5, 0), west, 1.5);
-    lighting->setGlossLayer(-1);
+    lighting.setGlossLayer(-1);
     EXPECT_EQ(said.text(), "");
     for (const int wrong : {-2, 0, 5})
-        lighting->setGlossLayer(wrong);
-    EXPECT_EQ(lighting->getGlossLayer(), -1);
+        lighting.setGlossLayer(wrong);
+    EXPECT_EQ(lighting.getGlossLayer(), -1);
     EXPECT_EQ(said.count("gloss layer not set: "), 3);
     EXPECT_EQ(takeGlErrors(), "");
 }

@@ -56,151 +56,213 @@ void expect(bool condition, const std::string& what)
         std::cerr << "failed: " << what << std::endl;
     failures += condition ? 0 : 1;
 }
-} // namespace
 
-int main(int argc, char** argv)
+osgViewer::ViewerBase::ThreadingModel threadingModel(const std::string& name)
 {
-    const std::string model = argc > 1 ? argv[1] : "SingleThreaded";
-    const int windows = argc > 2 ? std::atoi(argv[2]) : 1;
+    return name == "DrawThreadPerContext" ? osgViewer::ViewerBase::DrawThreadPerContext
+           : name == "CullThreadPerCameraDrawThreadPerContext"
+               ? osgViewer::ViewerBase::CullThreadPerCameraDrawThreadPerContext
+               : osgViewer::ViewerBase::SingleThreaded;
+}
 
-    const DemTile cone = analytic::cone(65, 65, 10.0, 32, 32, 250.0, 250.0);
-    osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
-    lighting->setTimeBudget(0.0);
-    lighting->addChild(createTerrain(cone));
-
-    osgViewer::CompositeViewer viewer;
-    std::vector<osg::ref_ptr<Flanks>> flanks;
-    for (int i = 0; i < windows; ++i)
+/// A lit cone in windows that look straight down on it. Every function that changes what is drawn
+/// leaves the light in the south-east and the one tile.
+class Windows
+{
+public:
+    Windows() : _cone(analytic::cone(65, 65, 10.0, 32, 32, 250.0, 250.0))
     {
-        osg::ref_ptr<osg::GraphicsContext::Traits> traits = new osg::GraphicsContext::Traits;
-        traits->readDISPLAY();
-        traits->x = 20 + i * (side + 40);
-        traits->y = 20;
-        traits->width = traits->height = side;
-        traits->doubleBuffer = true;
-        osg::ref_ptr<osg::GraphicsContext> context =
-            osg::GraphicsContext::createGraphicsContext(traits);
-        if (!context)
-            return 77;
-        osg::ref_ptr<osgViewer::View> view = new osgViewer::View;
-        osg::Camera& camera = *view->getCamera();
-        camera.setGraphicsContext(context);
-        camera.setViewport(0, 0, side, side);
-        camera.setProjectionMatrixAsOrtho(-320, 320, -320, 320, 1.0, 1.0e6);
-        camera.setViewMatrixAsLookAt(osg::Vec3d(0, 0, 5.0e5), osg::Vec3d(), osg::Vec3d(0, 1, 0));
-        camera.setComputeNearFarMode(osg::CullSettings::DO_NOT_COMPUTE_NEAR_FAR);
-        flanks.push_back(new Flanks);
-        camera.setFinalDrawCallback(flanks.back());
-        view->setSceneData(lighting);
-        viewer.addView(view);
+        _lighting->setTimeBudget(0.0);
+        _lighting->addChild(createTerrain(_cone));
+        _southEast.sunAzimuth = 135.0;
     }
-    viewer.setThreadingModel(model == "DrawThreadPerContext"
-                                 ? osgViewer::ViewerBase::DrawThreadPerContext
-                             : model == "CullThreadPerCameraDrawThreadPerContext"
-                                 ? osgViewer::ViewerBase::CullThreadPerCameraDrawThreadPerContext
-                                 : osgViewer::ViewerBase::SingleThreaded);
-    viewer.realize();
 
-    const unsigned contexts = static_cast<unsigned>(windows);
-    const auto settle = [&]
+    bool open(int count, osgViewer::ViewerBase::ThreadingModel model);
+    void stillScene();
+    void anotherLightInEveryFrame();
+    void tilesComeAndGo();
+    void editsOfWhatIsDrawn();
+    void heightsThatChange();
+    void aRunningClock();
+    void close();
+
+private:
+    bool openOne(int place);
+    void frames(int count)
     {
-        for (int i = 0; i < 5; ++i)
-            viewer.frame();
-    };
-    const auto check = [&](bool fromNorthWest, const std::string& when)
+        for (int i = 0; i < count; ++i)
+            _viewer.frame();
+    }
+    void settle() { frames(5); }
+    void check(bool fromNorthWest, const std::string& when);
+    void bindAndRelease(osg::Geometry& host, osgTerrain::TerrainTile& tile);
+    void lightingComesAbove(osg::Node* terrain, osgTerrain::TerrainTile& tile);
+    void show(osg::Node* scene)
     {
-        settle();
-        for (const auto& flank : flanks)
-        {
-            const double difference = flank->northWest - flank->southEast;
-            expect(fromNorthWest ? difference > 40.0 : difference < -40.0,
-                   when + ": north-west less south-east is " + std::to_string(difference));
-        }
-    };
+        for (unsigned i = 0; i < _viewer.getNumViews(); ++i)
+            _viewer.getView(i)->setSceneData(scene);
+    }
+
+    const DemTile _cone;
+    const osg::ref_ptr<TerrainLighting> _lighting = new TerrainLighting;
+    SkyLight _southEast;
+    osgViewer::CompositeViewer _viewer;
+    std::vector<osg::ref_ptr<Flanks>> _flanks; ///< per window
+};
+
+/// False where there is no display.
+bool Windows::open(int count, osgViewer::ViewerBase::ThreadingModel model)
+{
+    for (int i = 0; i < count; ++i)
+        if (!openOne(i))
+            return false;
+    _viewer.setThreadingModel(model);
+    _viewer.realize();
+    return true;
+}
+
+bool Windows::openOne(int place)
+{
+    osg::ref_ptr<osg::GraphicsContext::Traits> traits = new osg::GraphicsContext::Traits;
+    traits->readDISPLAY();
+    traits->x = 20 + place * (side + 40);
+    traits->y = 20;
+    traits->width = traits->height = side;
+    traits->doubleBuffer = true;
+    osg::ref_ptr<osg::GraphicsContext> context =
+        osg::GraphicsContext::createGraphicsContext(traits);
+    if (!context)
+        return false;
+    osg::ref_ptr<osgViewer::View> view = new osgViewer::View;
+    osg::Camera& camera = *view->getCamera();
+    camera.setGraphicsContext(context);
+    camera.setViewport(0, 0, side, side);
+    camera.setProjectionMatrixAsOrtho(-320, 320, -320, 320, 1.0, 1.0e6);
+    camera.setViewMatrixAsLookAt(osg::Vec3d(0, 0, 5.0e5), osg::Vec3d(), osg::Vec3d(0, 1, 0));
+    camera.setComputeNearFarMode(osg::CullSettings::DO_NOT_COMPUTE_NEAR_FAR);
+    _flanks.push_back(new Flanks);
+    camera.setFinalDrawCallback(_flanks.back());
+    view->setSceneData(_lighting);
+    _viewer.addView(view);
+    return true;
+}
+
+void Windows::check(bool fromNorthWest, const std::string& when)
+{
+    settle();
+    for (const auto& flank : _flanks)
+    {
+        const double difference = flank->northWest - flank->southEast;
+        expect(fromNorthWest ? difference > 40.0 : difference < -40.0,
+               when + ": north-west less south-east is " + std::to_string(difference));
+    }
+}
+
+void Windows::stillScene()
+{
     check(true, "sun in the north-west");
-    expect(lighting->getDispatchCount() == 4 * contexts, "each stage once per context");
-    for (int i = 0; i < 20; ++i)
-        viewer.frame();
-    expect(lighting->getDispatchCount() == 4 * contexts, "a still scene dispatches nothing");
+    const unsigned all = 4 * _viewer.getNumViews();
+    expect(_lighting->getDispatchCount() == all, "each stage once per context");
+    frames(20);
+    expect(_lighting->getDispatchCount() == all, "a still scene dispatches nothing");
+}
 
+void Windows::anotherLightInEveryFrame()
+{
     SkyLight sky;
-    for (int i = 0; i < 40; ++i) // every frame another light
+    for (int i = 0; i < 40; ++i)
     {
         sky.sunAzimuth = 135.0 + 9.0 * (i + 1);
-        lighting->setSkyLight(sky);
+        _lighting->setSkyLight(sky);
         LightingSettings settings;
         settings.exposure = 0.01 * (i % 7);
         settings.azimuths = i % 10 == 5 ? 16 : 32;
-        lighting->setSettings(settings);
-        lighting->setLightEnabled(i % 5 != 3);
-        viewer.frame();
+        _lighting->setSettings(settings);
+        _lighting->setLightEnabled(i % 5 != 3);
+        _viewer.frame();
     }
-    sky.sunAzimuth = 135.0;
-    lighting->setSkyLight(sky);
-    lighting->setLightEnabled(true);
+    _lighting->setSkyLight(_southEast);
+    _lighting->setLightEnabled(true);
     check(false, "sun in the south-east");
-    for (int i = 0; i < 20; ++i) // tiles come and go
+}
+
+void Windows::tilesComeAndGo()
+{
+    for (int i = 0; i < 20; ++i)
     {
-        osg::ref_ptr<osg::Node> terrain = createTerrain(cone);
-        lighting->addChild(terrain);
-        viewer.frame();
+        osg::ref_ptr<osg::Node> terrain = createTerrain(_cone);
+        _lighting->addChild(terrain);
+        _viewer.frame();
         if (i % 3)
-            viewer.frame();
-        lighting->removeChild(terrain);
-        viewer.frame();
+            _viewer.frame();
+        _lighting->removeChild(terrain);
+        _viewer.frame();
     }
     check(false, "after tiles came and went");
+}
+
+/// What is being drawn is bound, changed and left again: a host's own, and a tile's heights.
+void Windows::editsOfWhatIsDrawn()
+{
     {
-        // What is being drawn is bound, changed and left again: a host's own, and a tile's heights.
         osg::ref_ptr<osg::Geometry> quad = osg::createTexturedQuadGeometry(
             osg::Vec3(-320, -320, -500), osg::Vec3(640, 0, 0), osg::Vec3(0, 640, 0));
-        osg::StateSet* stateSet = quad->getOrCreateStateSet();
-        stateSet->setDataVariance(osg::Object::DYNAMIC);
-        osg::ref_ptr<osg::Node> dressed = createTerrain(cone);
+        osg::ref_ptr<osg::Node> dressed = createTerrain(_cone);
         auto* tile = dynamic_cast<osgTerrain::TerrainTile*>(dressed->asGroup()->getChild(0));
         tile->getOrCreateStateSet()->setMode(GL_CULL_FACE, osg::StateAttribute::OFF);
-        lighting->addChild(quad);
-        lighting->addChild(dressed);
-        TileHandle added;
-        for (int i = 0; i < 40; ++i)
-        {
-            if (i % 2)
-                expect(lighting->removeTile(added), "tile removed");
-            else
-                added = lighting->addTile(cone, stateSet, {}, true);
-            expect(added.valid(), "tile added");
-            tile->getElevationLayer()->dirty();
-            tile->setDirty(i % 3 == 0);
-            viewer.frame();
-            expect(tile->getStateSet()->getDataVariance() == osg::Object::DYNAMIC,
-                   "a bound StateSet is dynamic");
-        }
-        // Lighting that comes above what is already drawn.
-        lighting->removeChild(dressed);
-        lighting->removeChild(quad);
-        for (int i = 0; i < 8; ++i)
-            viewer.frame();
+        _lighting->addChild(quad);
+        _lighting->addChild(dressed);
+        bindAndRelease(*quad, *tile);
+        _lighting->removeChild(dressed);
+        _lighting->removeChild(quad);
+        frames(8);
         expect(tile->getStateSet()->getDataVariance() == osg::Object::UNSPECIFIED &&
                    !tile->getStateSet()->getUniform(ShadingTexture::sampler),
                "a StateSet is left as it was");
-        for (unsigned i = 0; i < contexts; ++i)
-            viewer.getView(i)->setSceneData(dressed);
-        for (int i = 0; i < 3; ++i)
-            viewer.frame();
-        osg::ref_ptr<TerrainLighting> late = new TerrainLighting;
-        late->addChild(dressed);
-        for (unsigned i = 0; i < contexts; ++i)
-            viewer.getView(i)->setSceneData(late);
-        viewer.frame();
-        expect(!tile->getStateSet()->getUniform(ShadingTexture::sampler), "not bound while drawn");
-        settle();
-        expect(tile->getStateSet()->getUniform(ShadingTexture::sampler), "bound after a frame");
-        for (unsigned i = 0; i < contexts; ++i)
-            viewer.getView(i)->setSceneData(lighting);
+        lightingComesAbove(dressed, *tile);
     }
     check(false, "after edits of what is drawn");
+}
+
+void Windows::bindAndRelease(osg::Geometry& host, osgTerrain::TerrainTile& tile)
+{
+    osg::StateSet* stateSet = host.getOrCreateStateSet();
+    stateSet->setDataVariance(osg::Object::DYNAMIC);
+    TileHandle added;
+    for (int i = 0; i < 40; ++i)
     {
-        // Heights that change in every frame, and at last are the cone's.
+        if (i % 2)
+            expect(_lighting->removeTile(added), "tile removed");
+        else
+            added = _lighting->addTile(_cone, stateSet, {}, true);
+        expect(added.valid(), "tile added");
+        tile.getElevationLayer()->dirty();
+        tile.setDirty(i % 3 == 0);
+        _viewer.frame();
+        expect(tile.getStateSet()->getDataVariance() == osg::Object::DYNAMIC,
+               "a bound StateSet is dynamic");
+    }
+}
+
+/// Lighting that comes above what is already drawn.
+void Windows::lightingComesAbove(osg::Node* terrain, osgTerrain::TerrainTile& tile)
+{
+    show(terrain);
+    frames(3);
+    osg::ref_ptr<TerrainLighting> late = new TerrainLighting;
+    late->addChild(terrain);
+    show(late);
+    _viewer.frame();
+    expect(!tile.getStateSet()->getUniform(ShadingTexture::sampler), "not bound while drawn");
+    settle();
+    expect(tile.getStateSet()->getUniform(ShadingTexture::sampler), "bound after a frame");
+    show(_lighting);
+}
+
+/// Heights that change in every frame, and at last are the cone's.
+void Windows::heightsThatChange()
+{
+    {
         osg::ref_ptr<DynamicTerrain> dynamic =
             new DynamicTerrain(analytic::plane(65, 65, 10.0, 0.0));
         int frame = 0;
@@ -208,50 +270,71 @@ int main(int argc, char** argv)
             [&](double, int, int, float* heights)
             {
                 const bool last = ++frame > 60;
-                for (std::size_t i = 0; i < cone.postCount(); ++i)
-                    heights[i] = cone.heights()[i] * (last ? 1.0f : 0.02f * float(frame % 50));
+                for (std::size_t i = 0; i < _cone.postCount(); ++i)
+                    heights[i] = _cone.heights()[i] * (last ? 1.0f : 0.02f * float(frame % 50));
                 return frame <= 61;
             });
-        osg::ref_ptr<osg::Node> still = lighting->getChild(0);
-        lighting->setChild(0, dynamic);
-        TileHandle added = lighting->addTile(dynamic);
+        osg::ref_ptr<osg::Node> still = _lighting->getChild(0);
+        _lighting->setChild(0, dynamic);
+        TileHandle added = _lighting->addTile(dynamic);
         expect(added.valid(), "dynamic terrain added");
         for (int i = 0; i < 60; ++i)
         {
-            lighting->setLightEnabled(i % 7 != 3);
+            _lighting->setLightEnabled(i % 7 != 3);
             if (i % 10 == 5)
             {
-                lighting->removeTile(added);
-                viewer.frame();
-                added = lighting->addTile(dynamic);
+                _lighting->removeTile(added);
+                _viewer.frame();
+                added = _lighting->addTile(dynamic);
                 expect(added.valid(), "dynamic terrain added again");
             }
-            viewer.frame();
+            _viewer.frame();
         }
-        lighting->setLightEnabled(true);
+        _lighting->setLightEnabled(true);
         check(false, "after heights changed");
-        const unsigned spent = lighting->getDispatchCount();
+        const unsigned spent = _lighting->getDispatchCount();
         settle();
-        expect(lighting->getDispatchCount() == spent, "heights that stay dispatch nothing");
-        lighting->removeTile(added);
-        lighting->setChild(0, still);
+        expect(_lighting->getDispatchCount() == spent, "heights that stay dispatch nothing");
+        _lighting->removeTile(added);
+        _lighting->setChild(0, still);
     }
     check(false, "after dynamic terrain went");
+}
+
+void Windows::aRunningClock()
+{
+    _lighting->setPlace({11.5, 48.1, 0.0});
+    _lighting->addEventCallback(new LightingHandler);
+    UtcTime time{};
+    for (int i = 0; i < 40; ++i)
     {
-        // A clock that runs, in all windows.
-        lighting->setPlace({11.5, 48.1, 0.0});
-        lighting->addEventCallback(new LightingHandler);
-        UtcTime time{};
-        for (int i = 0; i < 40; ++i)
-        {
-            lighting->setTime(time + std::chrono::minutes(30 * i));
-            viewer.frame();
-        }
-        lighting->removeEventCallback(lighting->getEventCallback());
-        lighting->setSkyLight(sky);
+        _lighting->setTime(time + std::chrono::minutes(30 * i));
+        _viewer.frame();
     }
+    _lighting->removeEventCallback(_lighting->getEventCallback());
+    _lighting->setSkyLight(_southEast);
     check(false, "after a day");
-    expect(lighting->getTileCount() == 1, "one tile is left");
-    viewer.stopThreading();
+}
+
+void Windows::close()
+{
+    expect(_lighting->getTileCount() == 1, "one tile is left");
+    _viewer.stopThreading();
+}
+} // namespace
+
+int main(int argc, char** argv)
+{
+    Windows windows;
+    if (!windows.open(argc > 2 ? std::atoi(argv[2]) : 1,
+                      threadingModel(argc > 1 ? argv[1] : "SingleThreaded")))
+        return 77;
+    windows.stillScene();
+    windows.anotherLightInEveryFrame();
+    windows.tilesComeAndGo();
+    windows.editsOfWhatIsDrawn();
+    windows.heightsThatChange();
+    windows.aRunningClock();
+    windows.close();
     return failures ? 1 : 0;
 }

@@ -247,6 +247,66 @@ TEST_F(BenchMistakes, PictureNeedsGnuplot)
     EXPECT_TRUE(left().empty());
 }
 
+/// Times and bytes of a row of 2 runs over 70 x 50 posts.
+void expectCosts(const Record& record)
+{
+    double sum = 0.0;
+    for (const char* stage : {"horizon", "sky", "sun", "shade"})
+    {
+        const double milliseconds = number(record, std::string("gpu_") + stage + "_ms");
+        EXPECT_GT(milliseconds, 0.0) << stage;
+        sum += milliseconds;
+    }
+    // A median of sums is no sum of medians, but of 2 runs the median is the mean.
+    EXPECT_NEAR(number(record, "gpu_ms"), sum, 1e-9 * sum);
+    // Wall clock holds the timer queries and what the driver does around them, too.
+    EXPECT_GT(number(record, "wall_ms"), 0.99 * sum);
+    EXPECT_GT(number(record, "memory_bytes"), 70.0 * 50.0 * 2.0 * number(record, "azimuths"));
+}
+
+void expectSameRow(const CPLJSONObject& row, const Record& record)
+{
+    for (const std::string& column : split(columns))
+    {
+        const std::string& field = record.at(column);
+        if (column == "method")
+            EXPECT_EQ(row.GetString(column), field);
+        else if (field.empty())
+            EXPECT_EQ(row.GetObj(column).GetType(), CPLJSONObject::Type::Null) << column;
+        else
+            // GDAL rounds to 15 digits where the 17 look like one that was rounded.
+            EXPECT_NEAR(row.GetDouble(column), std::stod(field), 1e-14 * std::abs(std::stod(field)))
+                << column;
+    }
+}
+
+/// What it says of the run of the test below; printed: what the tool printed.
+void expectFactsOfTheRun(const CPLJSONObject& root, const std::string& printed)
+{
+    EXPECT_EQ(root.GetInteger("terrain/width"), 70);
+    EXPECT_EQ(root.GetInteger("terrain/valid_posts"), 3500);
+    EXPECT_EQ(root.GetInteger("reference/posts"), 40);
+    EXPECT_EQ(root.GetInteger("reference/sun_posts"), 400);
+    EXPECT_EQ(root.GetInteger("reference/seed"), 1);
+    EXPECT_EQ(root.GetInteger("repeats"), 2);
+    EXPECT_EQ(root.GetDouble("sun/elevation_deg"), 35.0);
+    EXPECT_TRUE(has(printed, root.GetString("device/renderer")));
+    EXPECT_TRUE(has(printed, root.GetString("date")));
+}
+
+void expectPicture(const std::string& file)
+{
+    const std::string labels = labelsOf(file);
+    for (const char* label :
+         {"sweep-draft", "sweep-normal", "sweep-best", "Pareto front", "GPU milliseconds",
+          "horizon elevation: mean error in degrees", "sky-view factor: relative RMS error",
+          "visible fraction of the sun: RMS error", "luminance of the shading: relative RMS error",
+          "8", "16"})
+        EXPECT_TRUE(has(labels, std::string("|") + label + "|")) << label << " not in " << labels;
+    EXPECT_TRUE(has(labels, "generated fractal, seed 3: 70 x 50 posts, ")) << labels;
+    EXPECT_LT(std::filesystem::file_size(file), 60000u);
+}
+
 TEST_F(Bench, TableCsvJsonAndPictureHaveEveryRow)
 {
     const ToolRun result = run("bench --generate fractal,3 --size 70,50 --azimuths 16,8,16 "
@@ -266,52 +326,17 @@ TEST_F(Bench, TableCsvJsonAndPictureHaveEveryRow)
     ASSERT_EQ(records.size(), 6u);
     CPLJSONDocument json;
     ASSERT_TRUE(json.Load(path("j.json")));
-    const CPLJSONObject root = json.GetRoot();
-    EXPECT_EQ(root.GetInteger("terrain/width"), 70);
-    EXPECT_EQ(root.GetInteger("terrain/valid_posts"), 3500);
-    EXPECT_EQ(root.GetInteger("reference/posts"), 40);
-    EXPECT_EQ(root.GetInteger("reference/sun_posts"), 400);
-    EXPECT_EQ(root.GetInteger("reference/seed"), 1);
-    EXPECT_EQ(root.GetInteger("repeats"), 2);
-    EXPECT_EQ(root.GetDouble("sun/elevation_deg"), 35.0);
-    EXPECT_TRUE(has(result.out, root.GetString("device/renderer")));
-    EXPECT_TRUE(has(result.out, root.GetString("date")));
-    const CPLJSONArray rows = root.GetArray("rows");
+    expectFactsOfTheRun(json.GetRoot(), result.out);
+    const CPLJSONArray rows = json.GetRoot().GetArray("rows");
     ASSERT_EQ(rows.Size(), 6);
-
     for (std::size_t i = 0; i < records.size(); ++i)
     {
-        const Record& record = records[i];
-        EXPECT_EQ(record.at("method"), allMethods[i / 2]) << "methods, and in each the azimuths";
-        EXPECT_EQ(record.at("azimuths"), i % 2 == 0 ? "8" : "16");
-        EXPECT_EQ(record.at("skipped"), "");
-        double sum = 0.0;
-        for (const char* stage : {"horizon", "sky", "sun", "shade"})
-        {
-            const double milliseconds = number(record, std::string("gpu_") + stage + "_ms");
-            EXPECT_GT(milliseconds, 0.0) << stage;
-            sum += milliseconds;
-        }
-        // A median of sums is no sum of medians, but of 2 runs the median is the mean.
-        EXPECT_NEAR(number(record, "gpu_ms"), sum, 1e-9 * sum);
-        // Wall clock holds the timer queries and what the driver does around them, too.
-        EXPECT_GT(number(record, "wall_ms"), 0.99 * sum);
-        EXPECT_GT(number(record, "memory_bytes"), 70.0 * 50.0 * 2.0 * number(record, "azimuths"));
-
-        const CPLJSONObject row = rows[static_cast<int>(i)];
-        for (const std::string& column : split(columns))
-        {
-            const std::string& field = record.at(column);
-            if (column == "method")
-                EXPECT_EQ(row.GetString(column), field);
-            else if (field.empty())
-                EXPECT_EQ(row.GetObj(column).GetType(), CPLJSONObject::Type::Null) << column;
-            else
-                // GDAL rounds to 15 digits where the 17 look like one that was rounded.
-                EXPECT_NEAR(row.GetDouble(column), std::stod(field),
-                            1e-14 * std::abs(std::stod(field)))
-                    << column;
-        }
+        EXPECT_EQ(records[i].at("method"), allMethods[i / 2])
+            << "methods, and in each the azimuths";
+        EXPECT_EQ(records[i].at("azimuths"), i % 2 == 0 ? "8" : "16");
+        EXPECT_EQ(records[i].at("skipped"), "");
+        expectCosts(records[i]);
+        expectSameRow(rows[static_cast<int>(i)], records[i]);
     }
     // A line of each table for each row.
     for (const std::string& method : allMethods)
@@ -329,16 +354,7 @@ TEST_F(Bench, TableCsvJsonAndPictureHaveEveryRow)
     ASSERT_TRUE(table);
     EXPECT_EQ(table->GetLayer(0)->GetFeatureCount(), 6);
     EXPECT_EQ(table->GetLayer(0)->GetLayerDefn()->GetFieldCount(), 38);
-
-    const std::string labels = labelsOf(path("p.svg"));
-    for (const char* label :
-         {"sweep-draft", "sweep-normal", "sweep-best", "Pareto front", "GPU milliseconds",
-          "horizon elevation: mean error in degrees", "sky-view factor: relative RMS error",
-          "visible fraction of the sun: RMS error", "luminance of the shading: relative RMS error",
-          "8", "16"})
-        EXPECT_TRUE(has(labels, std::string("|") + label + "|")) << label << " not in " << labels;
-    EXPECT_TRUE(has(labels, "generated fractal, seed 3: 70 x 50 posts, ")) << labels;
-    EXPECT_LT(std::filesystem::file_size(path("p.svg")), 60000u);
+    expectPicture(path("p.svg"));
 }
 
 // All posts of a small tile, so that nothing depends on which were drawn. What the GPU gives comes
