@@ -317,6 +317,10 @@ TEST(SettingsChoice, PublicCallsMeasureInAContextOfTheirOwn)
     EXPECT_EQ(byTime.failure, "");
     EXPECT_TRUE(byTime.met);
     EXPECT_LT(byTime.error, byError.error);
+    DemTile without = tile;
+    without.northSpacing = 0.0;
+    EXPECT_EQ(LightingSettings::forMaxError(0.01, without, {}).failure, without.complaint());
+    EXPECT_NE(without.complaint(), "");
 }
 
 TEST(SettingsChoice, OnlyASunNeedsNoAzimuths)

@@ -417,6 +417,8 @@ chooseInOwnContext(const DemTile& tile, const SkyLight& sky, const std::string& 
 {
     SettingsChoice failed;
     failed.failure = ParameterRange::find(parameter)->complaint(value);
+    if (failed.failure.empty())
+        failed.failure = tile.complaint();
     if (!failed.failure.empty())
         return failed;
     const std::unique_ptr<HeadlessContext> context =
