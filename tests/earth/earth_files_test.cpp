@@ -28,8 +28,10 @@ std::string saidOf(const fs::path& path)
     if (!map)
         return map.error().message;
     std::string said;
-    const TerrainModel model = loadMap(*map, path.parent_path().string(), path.string());
-    for (const auto& list : {model.warnings, model.notes})
+    const Result<TerrainModel> model = loadMap(*map, path.parent_path().string(), path.string());
+    if (!model)
+        return model.error().message;
+    for (const auto& list : {model->warnings, model->notes})
         for (const std::string& sentence : list)
             said += sentence + "\n";
     return said;
@@ -44,9 +46,11 @@ TEST(EarthFiles, EveryMapLoadsWhole)
     {
         const Result<EarthMap> map = readEarthFile(path.string());
         ASSERT_TRUE(map) << map.error().message;
-        const TerrainModel model = loadMap(*map, path.parent_path().string(), path.string());
-        EXPECT_TRUE(model.warnings.empty()) << model.warnings.front();
-        EXPECT_EQ(model.node->getNumChildren(), 1u) << path;
+        const Result<TerrainModel> model =
+            loadMap(*map, path.parent_path().string(), path.string());
+        ASSERT_TRUE(model) << model.error().message;
+        EXPECT_TRUE(model->warnings.empty()) << model->warnings.front();
+        EXPECT_EQ(model->node->getNumChildren(), 1u) << path;
     }
 }
 
@@ -210,13 +214,16 @@ TEST(EarthFiles, OneElevationIsDrawnAndTheOthersAreNamed)
                    "<GDALElevation name='spare' url='jacksboro_90m.tif'/></map>",
                    "m.earth");
     ASSERT_TRUE(map) << map.error().message;
-    const TerrainModel model = loadMap(*map, OTL_SOURCE_DIR "/samples/data", "m.earth");
-    ASSERT_EQ(model.warnings.size(), 2u);
-    EXPECT_EQ(model.warnings[0].rfind("m.earth:2: left out layer \"gone\": ", 0), 0u);
-    EXPECT_EQ(model.warnings[1], "m.earth:4: left out layer \"spare\": only the first elevation "
-                                 "that can be read is used");
+    const Result<TerrainModel> model = loadMap(*map, OTL_SOURCE_DIR "/samples/data", "m.earth");
+    ASSERT_TRUE(model) << model.error().message;
+    ASSERT_EQ(model->warnings.size(), 2u);
+    EXPECT_EQ(model->warnings[0].rfind("m.earth:2: left out <GDALElevation name=\"gone\">: ", 0),
+              0u);
+    EXPECT_EQ(model->warnings[1],
+              "m.earth:4: left out <GDALElevation name=\"spare\">: only the first elevation "
+              "that can be read is used");
     // The sample has heights of 236 m to 1076 m.
-    const osg::BoundingSphere& bound = model.node->getBound();
+    const osg::BoundingSphere& bound = model->node->getBound();
     EXPECT_NEAR(bound.center().z(), 2.0 * 656.0, 2.0);
 }
 
@@ -240,11 +247,12 @@ TEST(EarthFiles, AnImageWithoutElevationIsLevel)
                    "<image driver='gdal' url='jacksboro_colour.tif'/></map>",
                    "m.earth");
     ASSERT_TRUE(map);
-    const TerrainModel model = loadMap(*map, OTL_SOURCE_DIR "/samples/data", "m.earth");
-    EXPECT_EQ(model.warnings.size(), 1u);
-    EXPECT_EQ(model.node->getNumChildren(), 1u);
+    const Result<TerrainModel> model = loadMap(*map, OTL_SOURCE_DIR "/samples/data", "m.earth");
+    ASSERT_TRUE(model) << model.error().message;
+    EXPECT_EQ(model->warnings.size(), 1u);
+    EXPECT_EQ(model->node->getNumChildren(), 1u);
     // About 31 km x 32 km.
-    EXPECT_NEAR(model.node->getBound().radius(), 21900.0, 500.0);
+    EXPECT_NEAR(model->node->getBound().radius(), 21900.0, 500.0);
 }
 
 TEST(EarthFiles, AMapWithoutAnyReadableLayerIsAnEmptyScene)
@@ -252,7 +260,73 @@ TEST(EarthFiles, AMapWithoutAnyReadableLayerIsAnEmptyScene)
     const Result<EarthMap> map =
         parseEarth("<map><elevation driver='gdal' url='no.tif'/></map>", "m.earth");
     ASSERT_TRUE(map);
-    const TerrainModel model = loadMap(*map, "", "m.earth");
-    EXPECT_EQ(model.warnings.size(), 2u);
-    EXPECT_EQ(model.node->getNumChildren(), 0u);
+    const Result<TerrainModel> model = loadMap(*map, "", "m.earth");
+    ASSERT_TRUE(model) << model.error().message;
+    EXPECT_EQ(model->warnings.size(), 2u);
+    EXPECT_EQ(model->node->getNumChildren(), 0u);
+}
+
+// Expected: what osgEarth may draw and this reader does not is a warning, which every program
+// shows; a notice is for what draws nothing, or was switched off by whoever wrote the map.
+TEST(EarthFiles, WhateverMayDrawAndIsNotKnownIsAWarning)
+{
+    const std::pair<const char*, bool> elements[] = {
+        {"<model driver='simple'><url>a.osgb</url></model>", true},
+        {"<FeatureModel name='roads'/>", true},
+        {"<mask driver='gdal' url='a.shp'/>", true},
+        {"<ThreeDTiles/>", true},
+        {"<XYZImage/>", true},
+        {"<Options/>", false},
+        {"<libraries>a;b</libraries>", false},
+        {"<profile>global-geodetic</profile>", false},
+        {"<viewpoints><viewpoint/></viewpoints>", false},
+        {"<extensions/>", false},
+        {"<name>m</name>", false},
+        {"<model visible='false'/>", false}};
+    for (const auto& [element, isWarning] : elements)
+    {
+        const Result<EarthMap> map = parseEarth(
+            std::string("<map>\n<GDALImage url='b.tif'/>\n") + element + "</map>", "m.earth");
+        ASSERT_TRUE(map) << map.error().message;
+        EXPECT_EQ(map->warnings.size(), isWarning ? 1u : 0u) << element;
+        EXPECT_EQ(map->notes.size(), isWarning ? 0u : 1u) << element;
+        for (const auto& list : {map->warnings, map->notes})
+            for (const std::string& sentence : list)
+                EXPECT_NE(sentence.find(" (line 3: "), std::string::npos) << sentence;
+    }
+}
+
+// A key may stand as an attribute and as a child: whichever is not empty counts.
+TEST(EarthFiles, AnEmptyKeyDoesNotHideTheOther)
+{
+    for (const char* layer :
+         {"<elevation driver='gdal' url=''><url>a.tif</url></elevation>",
+          "<elevation driver='gdal' url='a.tif'><url/></elevation>",
+          "<elevation driver='gdal' URL=' ' url='a.tif'/>",
+          "<elevation driver=''><driver>gdal</driver><url> </url><url>a.tif</url></elevation>"})
+    {
+        const Result<EarthMap> map = parseEarth(std::string("<map>") + layer + "</map>", "m.earth");
+        ASSERT_TRUE(map) << layer << ": " << map.error().message;
+        ASSERT_EQ(map->elevations.size(), 1u) << layer;
+        EXPECT_EQ(map->elevations[0].url, "a.tif") << layer;
+    }
+}
+
+// Expected: where a file is there and cannot be drawn, the reason is the error, with all else that
+// was left out; the sample's heights are no picture.
+TEST(EarthFiles, WhereNoFileCanBeDrawnTheErrorSaysWhy)
+{
+    const Result<EarthMap> map =
+        parseEarth("<map>\n<elevation driver='gdal' url='no.tif'/>\n"
+                   "<GDALImage url='jacksboro_90m.tif'/>\n<FeatureModel/></map>",
+                   "m.earth");
+    ASSERT_TRUE(map) << map.error().message;
+    const Result<TerrainModel> model = loadMap(*map, OTL_SOURCE_DIR "/samples/data", "m.earth");
+    ASSERT_FALSE(model);
+    const std::string& said = model.error().message;
+    EXPECT_EQ(said.rfind("m.earth: no layer could be read, left out: ", 0), 0u) << said;
+    for (const char* part :
+         {"<elevation driver=\"gdal\"> (line 2: ", "no.tif: no such file",
+          "<GDALImage> (line 3: ", "needs 8 bits per channel", "<FeatureModel> (line 4: of a kind"})
+        EXPECT_NE(said.find(part), std::string::npos) << said;
 }

@@ -238,8 +238,10 @@ TEST(Day, TerrainWithoutAPlaceNeedsOne)
 
     const Result<EarthMap> map = readEarthFile(OTL_SOURCE_DIR "/earth_files/solstice.earth");
     ASSERT_TRUE(map) << map.error().message;
-    const TerrainModel model = loadMap(*map, OTL_SOURCE_DIR "/earth_files", "solstice.earth");
-    expectSunOf(*model.node, at("2024-06-20T23:30Z"), jacksboro);
+    const Result<TerrainModel> model =
+        loadMap(*map, OTL_SOURCE_DIR "/earth_files", "solstice.earth");
+    ASSERT_TRUE(model) << model.error().message;
+    expectSunOf(*model->node, at("2024-06-20T23:30Z"), jacksboro);
 }
 
 TEST(Day, TheClockIsOnScreenWhileThereIsATime)

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <set>
 
 namespace osgTerrainLight
 {
@@ -42,10 +43,11 @@ public:
                 return read.error();
         }
         if (_map.elevations.empty() && _map.images.empty())
-            return error(lineOf(root), "holds no layer that can be drawn" +
-                                           (_leftOut.empty() ? "" : ", left out: " + _leftOut) +
-                                           "; needs <elevation driver=\"gdal\"> or "
-                                           "<image driver=\"gdal\"> with a url");
+            return error(lineOf(root),
+                         "holds no layer that can be drawn" +
+                             (_map.leftOut.empty() ? "" : ", left out: " + _map.leftOut) +
+                             "; needs <elevation driver=\"gdal\"> or "
+                             "<image driver=\"gdal\"> with a url");
         if (!_missed.empty())
             _map.warnings.push_back(_source + ": left out: " + _missed);
         if (!_skipped.empty())
@@ -85,7 +87,7 @@ private:
     {
         const std::string item =
             what + " (line " + std::to_string(lineOf(element)) + ": " + why + ")";
-        append(_leftOut, item);
+        append(_map.leftOut, item);
         append(isMissed ? _missed : _skipped, item);
     }
 
@@ -111,12 +113,24 @@ private:
     static std::string valueOf(const pugi::xml_node& element, const char* key)
     {
         for (const pugi::xml_attribute& attribute : element.attributes())
-            if (lower(attribute.name()) == key)
-                return trimmed(attribute.value());
+            if (const std::string value = trimmed(attribute.value());
+                lower(attribute.name()) == key && !value.empty())
+                return value;
         for (const pugi::xml_node& child : element.children())
-            if (lower(child.name()) == key)
-                return trimmed(child.text().get());
+            if (const std::string value = trimmed(child.text().get());
+                lower(child.name()) == key && !value.empty())
+                return value;
         return {};
+    }
+
+    /// Elements of a map that are no layer and draw nothing. Whatever else osgEarth finds in a map
+    /// is a layer, of dozens of kinds, or an extension that may draw.
+    static bool drawsNothing(const std::string& tag)
+    {
+        static const std::set<std::string> names = {"options",    "libraries",  "profile",
+                                                    "viewpoints", "extensions", "name",
+                                                    "type",       "version"};
+        return names.count(tag) != 0;
     }
 
     /// As osgEarth reads a flag: these words, in any case, are no; the rest leaves the layer in.
@@ -148,13 +162,10 @@ private:
             }
         if (!elevation && !image)
         {
-            // osgEarth has dozens of kinds of layers, whose names end so.
-            const auto has = [&](const char* word) { return tag.find(word) != std::string::npos; };
-            leaveOut(element, what, "of a kind that is not known here",
-                     has("image") || has("elevation") || has("heightfield"));
+            leaveOut(element, what, "of a kind that is not known here", !drawsNothing(tag));
             return Nothing{};
         }
-        EarthLayer layer{name, valueOf(element, "url"), lineOf(element), {}};
+        EarthLayer layer{what, valueOf(element, "url"), lineOf(element), {}};
         for (const char* key : readOptionNames)
             if (const std::string value = valueOf(element, key); elevation && !value.empty())
                 if (const Status set = setReadOption(layer.read, key, value); !set)
@@ -241,8 +252,7 @@ private:
     const std::string& _text;
     const std::string& _source;
     EarthMap _map;
-    std::string _leftOut; ///< all that is not drawn: _missed and _skipped
-    std::string _missed, _skipped;
+    std::string _missed, _skipped; ///< what EarthMap::leftOut holds, in two parts
 };
 } // namespace
 

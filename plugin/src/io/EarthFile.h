@@ -13,8 +13,8 @@ namespace osgTerrainLight
 /// A layer that GDAL reads.
 struct EarthLayer
 {
-    std::string name;
-    std::string url; ///< as written; relative to the file's folder
+    std::string what; ///< its element, as messages call it: <GDALImage name="base">
+    std::string url;  ///< as written; relative to the file's folder
     int line = 0;
     DemReadOptions read; ///< of an elevation: cell_size, unit, z_factor
 };
@@ -26,13 +26,15 @@ struct EarthMap
     std::vector<EarthLayer> elevations;
     std::vector<EarthLayer> images; ///< bottom first
     LightParameters light;
-    std::vector<std::string> warnings; ///< layers that are not drawn, and why
+    std::string leftOut;               ///< all elements that are not drawn, and why; one list
+    std::vector<std::string> warnings; ///< those that somebody may look for in the picture
     std::vector<std::string> notes;    ///< what else was left out, and why
 };
 
 /// Names of elements and keys may be in any case; a key is an attribute or a child. A layer that is
 /// switched off (open, enabled or visible is false, no or off), has no url or is of another kind is
-/// left out and named; where no other is left, that is the error.
+/// left out and named; where no other is left, that is the error. Of a key that is empty in one
+/// place, the other place counts.
 /// source: what messages call the text. Errors name source, line, key, value and what is needed.
 Result<EarthMap> parseEarth(const std::string& text, const std::string& source);
 

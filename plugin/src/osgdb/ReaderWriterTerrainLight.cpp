@@ -182,7 +182,8 @@ private:
         if (!options->word.empty())
             return failed(source + ": reader option " + options->word + ": needs NAME=VALUE");
         map->light = options->light;
-        return shown(loadMap(*map, folder, source));
+        const Result<TerrainModel> model = loadMap(*map, folder, source);
+        return model ? shown(*model) : failed(model.error().message);
     }
 
     static ReadResult readTerrainOrScene(const std::string& path, bool exists,

@@ -224,17 +224,24 @@ Result<TerrainModel> loadRaster(const std::string& path, const DemReadOptions& r
     return model;
 }
 
-TerrainModel loadMap(const EarthMap& map, const std::string& folder, const std::string& source)
+Result<TerrainModel> loadMap(const EarthMap& map, const std::string& folder,
+                             const std::string& source)
 {
     TerrainModel model;
     model.node = createLighting(map.light, folder, model.warnings);
     model.node->setName(map.name);
     model.warnings.insert(model.warnings.end(), map.warnings.begin(), map.warnings.end());
     model.notes = map.notes;
-    const auto leaveOut = [&](const EarthLayer& layer, const std::string& reason)
+    std::string leftOut = map.leftOut;
+    bool isMissing = true; // whatever was left out here
+    const auto leaveOut = [&](const EarthLayer& layer, const Error& reason)
     {
-        model.warnings.push_back(source + ":" + std::to_string(layer.line) + ": left out layer \"" +
-                                 layer.name + "\": " + reason);
+        const std::string line = std::to_string(layer.line);
+        model.warnings.push_back(source + ":" + line + ": left out " + layer.what + ": " +
+                                 reason.message);
+        leftOut += (leftOut.empty() ? "" : ", ") + layer.what + " (line " + line + ": " +
+                   reason.message + ")";
+        isMissing = isMissing && reason.code == ErrorCode::NotFound;
     };
 
     std::optional<DemTile> tile;
@@ -242,14 +249,15 @@ TerrainModel loadMap(const EarthMap& map, const std::string& folder, const std::
     {
         if (tile)
         {
-            leaveOut(layer, "only the first elevation that can be read is used");
+            leaveOut(layer,
+                     {ErrorCode::Invalid, "only the first elevation that can be read is used"});
             continue;
         }
         const std::string path = resolved(layer.url, folder);
         const Result<DemFile> file = readDrawn(path, layer.read);
         if (!file)
         {
-            leaveOut(layer, file.error().message);
+            leaveOut(layer, file.error());
             continue;
         }
         tile = file->tile;
@@ -269,7 +277,7 @@ TerrainModel loadMap(const EarthMap& map, const std::string& folder, const std::
             }
             else
             {
-                leaveOut(layer, level.error().message);
+                leaveOut(layer, level.error());
                 continue;
             }
         }
@@ -277,7 +285,7 @@ TerrainModel loadMap(const EarthMap& map, const std::string& folder, const std::
         if (colour)
             colours.push_back(std::move(*colour));
         else
-            leaveOut(layer, colour.error().message);
+            leaveOut(layer, colour.error());
     }
     if (tile)
     {
@@ -285,6 +293,8 @@ TerrainModel loadMap(const EarthMap& map, const std::string& folder, const std::
         terrain->setName(map.name);
         model.node->addChild(terrain);
     }
+    else if (!isMissing)
+        return Error{ErrorCode::Invalid, source + ": no layer could be read, left out: " + leftOut};
     else
         model.warnings.push_back(source + ": no layer could be read; the map is empty");
     if (const Status set = setTimeAndPlace(*model.node, map.light, tile); !set)

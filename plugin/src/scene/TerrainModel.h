@@ -45,8 +45,10 @@ Status setTimeAndPlace(TerrainLighting& node, const LightParameters& light,
 Result<TerrainModel> loadRaster(const std::string& path, const DemReadOptions& read,
                                 const LightParameters& light);
 
-/// A lit map; layers that cannot be read are left out, with a warning each. folder: what relative
-/// URLs start from. source: what messages call the map.
-TerrainModel loadMap(const EarthMap& map, const std::string& folder, const std::string& source);
+/// A lit map; layers that cannot be read are left out, with a warning each. Where none is left and
+/// all their files are missing, the scene is empty; else the error lists what was left out. folder:
+/// what relative URLs start from. source: what messages call the map.
+Result<TerrainModel> loadMap(const EarthMap& map, const std::string& folder,
+                             const std::string& source);
 
 } // namespace osgTerrainLight
