@@ -22,6 +22,14 @@ Status run(const Options& options)
 {
     TerrainKind kind = TerrainKind::Fractal;
     fromString(options.kind, kind);
+    RasterFrame frame;
+    frame.width = options.width;
+    frame.height = options.height;
+    frame.hasGeoTransform = true;
+    frame.geoTransform = {0.0, options.spacing, 0.0, options.height * options.spacing,
+                          0.0, -options.spacing};
+    if (Status writable = checkOutput(options.output, 0, frame); !writable)
+        return writable;
     Progress progress(options.output.quiet);
     progress.reach(0.0);
     Result<DemTile> tile =
@@ -29,12 +37,6 @@ Status run(const Options& options)
     if (!tile)
         throw CLI::ValidationError("generate", tile.error().message);
 
-    RasterFrame frame;
-    frame.width = options.width;
-    frame.height = options.height;
-    frame.hasGeoTransform = true;
-    frame.geoTransform = {0.0, options.spacing, 0.0, options.height * options.spacing,
-                          0.0, -options.spacing};
     Metadata metadata = {{"TIFFTAG_SOFTWARE", "osgTerrainLight " OSGTERRAINLIGHT_VERSION}};
     add(metadata, "VERSION", OSGTERRAINLIGHT_VERSION);
     add(metadata, "MODE", "generate");

@@ -3,6 +3,7 @@
 #include "Console.h"
 #include "io/GdalErrors.h"
 #include "io/InputFiles.h"
+#include "io/PendingFile.h"
 
 #include <CLI/CLI.hpp>
 #include <cpl_conv.h>
@@ -30,6 +31,11 @@ bool isExr(const OutputOptions& output)
 
 Status checkOutput(const OutputOptions& output, int bands, const RasterFrame& frame)
 {
+    if (output.path.rfind("/vsi", 0) == 0)
+        return Error{ErrorCode::NotSupported,
+                     output.path + ": a result is written at random and then renamed, which GDAL's "
+                                   "virtual file systems cannot do, and what is in /vsimem/ ends "
+                                   "with the program; needed the name of a file on disk"};
     if (isExr(output) && !output.creationOptions.empty())
         return Error{ErrorCode::NotSupported,
                      output.path + ": OpenEXR files have no creation options (-co)"};
@@ -63,11 +69,12 @@ namespace
 /// Names of the files that the driver makes of a pixel with a place, as they would be called.
 std::vector<std::string> filesBeside(const OutputOptions& output)
 {
-    const fs::path parent = fs::path(output.path).parent_path();
-    const std::string name = fs::path(output.path).filename().string();
+    const std::string place = withoutLinks(output.path);
+    const fs::path parent = fs::path(place).parent_path();
+    const std::string name = fs::path(place).filename().string();
     std::vector<std::string> files = {output.path};
     for (const char* sidecar : {".aux.xml", ".ovr", ".msk"})
-        files.push_back(output.path + sidecar);
+        files.push_back(place + sidecar);
     if (isExr(output))
         return files;
     RasterFrame pixel;

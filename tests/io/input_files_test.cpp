@@ -76,9 +76,24 @@ TEST_F(InputFilesTest, EveryFileThatAnInputIsMadeOf)
     expectFiles("GTIFF_DIR:1:" + in("a.tif"), {"a.tif"});
     expectFiles("NETCDF:\"" + in("a.tif") + "\":Band1", {"a.tif"});
     expectFiles("/vsizip/" + in("a.tif") + "/x.tif", {"a.tif"});
+    expectFiles("/vsizip/{" + in("a.tif") + "}/x.tif", {"a.tif"});
+    fs::copy_file(in("a.tif"), in("q,1:2.tif"));
+    expectFiles("/vsisubfile/0_100000," + in("q,1:2.tif"), {"q,1:2.tif"});
+    expectFiles("NETCDF:\"" + in("q,1:2.tif") + "\":Band1", {"q,1:2.tif"});
     expectFiles(in("a.tif") + ".terrainlight", {"a.tif"});
     text("a.exr", "");
     expectFiles(in("a.exr"), {"a.exr"});
+}
+
+// Names that ask OpenSceneGraph for one reader on top of another.
+TEST_F(InputFilesTest, ScenesThatAreTurnedMovedOrScaled)
+{
+    text("s.osgt", "");
+    expectFiles(in("s.osgt") + ".0,0,30.rot", {"s.osgt"});
+    expectFiles(in("s.osgt") + ".2,2,2.scale.0,1.5,0.trans", {"s.osgt"});
+    expectFiles(in("a.tif") + ".terrainlight.0,0,10.rot", {"a.tif"});
+    expectFiles("/vsizip/" + in("a.tif") + "/x.tif.terrainlight", {"a.tif"});
+    EXPECT_TRUE(filesOf(in("none") + ".0,0,10.rot").empty());
 }
 
 TEST_F(InputFilesTest, AMapIsMadeOfItsLayersAndItsSky)

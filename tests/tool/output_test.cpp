@@ -52,6 +52,7 @@ protected:
         std::ofstream(path("m.earth"))
             << "<Map><GDALElevation><url>two.vrt</url></GDALElevation><GDALImage URL='grey.tif'/>"
                "<terrain_light sky='sky.hdr'/></Map>";
+        fs::copy_file(path("dem.tif"), path("q,1.tif"));
         fs::create_hard_link(path("dem.tif"), path("hard.tif"));
         fs::create_symlink("sub/part.tif", path("soft.tif"));
         fs::create_hard_link(path("sky.hdr"), path("hard.hdr"));
@@ -131,6 +132,8 @@ TEST_F(OutputIsInput, IsRefusedBeforeTheWork)
         // Maps: layers, what these are made of, the sky.
         {"render m.earth grey.tif", "grey.tif", "grey.tif"},
         {"render m.earth sub/part.tif", "sub/part.tif", "sub/part.tif"},
+        {"render dem.tif.terrainlight.0,0,10.rot dem.tif", "dem.tif", "dem.tif"},
+        {"svf /vsisubfile/0_100000,q,1.tif q,1.tif", "q,1.tif", "q,1.tif"},
         {"render m.earth.terrainlight one.vrt -of PNG", "one.vrt", "one.vrt"},
         {"render m.earth soft.exr -of PNG", "soft.exr", "sky.hdr"},
         // The measurements of a DEM.
@@ -307,6 +310,47 @@ TEST_F(Output, FoldersThatCannotBeWritten)
     fs::permissions(path("locked"), fs::perms::owner_all);
     if (!runs)
         GTEST_SKIP() << "skipped in part: no other user can run the tool here";
+}
+
+// A link stays a link, and the file that it stands for gets the result, in its own folder, with the
+// permissions that it had.
+TEST_F(Output, LinksAndPermissionsStay)
+{
+    fs::create_directory(path("store"));
+    std::ofstream(path("store/real.asc")) << "what was there";
+    std::ofstream(path("store/real.asc.aux.xml")) << "<PAMDataset/>";
+    fs::permissions(path("store/real.asc"), fs::perms(0640));
+    fs::create_symlink("store/real.asc", path("link.asc"));
+    fs::create_symlink("link.asc", path("again.asc"));
+    fs::create_symlink("store/new.tif", path("ahead.tif")); // nothing is there yet
+    for (const char* output : {"again.asc", "ahead.tif"})
+    {
+        const ToolRun result = run(std::string("generate spikes ") + output + " --size 8 -q");
+        ASSERT_EQ(result.status, 0) << result.err;
+        EXPECT_TRUE(fs::is_symlink(path(output)));
+    }
+    EXPECT_TRUE(fs::is_symlink(path("link.asc")));
+    EXPECT_EQ(ReadRaster(path("store/real.asc")).metadata("TERRAINLIGHT_KIND"), "spikes");
+    EXPECT_EQ(ReadRaster(path("store/new.tif")).metadata("TERRAINLIGHT_KIND"), "spikes");
+    EXPECT_EQ(fs::status(path("store/real.asc")).permissions(), fs::perms(0640));
+    EXPECT_EQ(left(), (std::set<std::string>{"again.asc", "ahead.tif", "link.asc", "store"}));
+}
+
+// Memory that ends with the program, archives, streams.
+TEST_F(Output, VirtualPlacesAreRefusedBeforeTheWork)
+{
+    for (const char* output : {"/vsimem/o.tif", "/vsimem/o.exr", "/vsizip/o.zip/o.tif",
+                               "/vsigzip/o.tif.gz", "/vsistdout/o.tif"})
+        for (const std::string& mode :
+             {"shade " + jacksboro + " ", std::string("generate cliffs ")})
+        {
+            const ToolRun result = run(mode + output);
+            EXPECT_EQ(result.status, 1) << output;
+            EXPECT_EQ(result.out, "") << "nothing was begun";
+            EXPECT_TRUE(result.complains(output)) << result.err;
+            EXPECT_TRUE(result.complains("needed the name of a file on disk")) << result.err;
+            EXPECT_TRUE(left().empty()) << *left().begin();
+        }
 }
 
 // A limit of the length of files stands for a full disk; every format ends with the system's words,

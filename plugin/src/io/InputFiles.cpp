@@ -7,6 +7,7 @@
 #include <cpl_string.h>
 #include <gdal_priv.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <set>
 #include <system_error>
@@ -65,25 +66,37 @@ private:
             addWhereThere(stem + beside);
     }
 
-    /// The file itself, or the files that stand in a dataset's name: between colons, quotes and
-    /// what a URL has, and of a path into an archive the archive.
+    /// The file itself, or the files that stand in a dataset's name. A file's own name may have
+    /// what parts others ("a,b.tif"), so all that stands between any two such signs is looked at.
     void addNamed(const std::string& name)
     {
         if (isFile(name))
             return addFile(name);
-        const CPLStringList parts(CSLTokenizeString2(name.c_str(), ":\"?&,|", 0));
-        for (int i = 0; i < parts.size(); ++i)
+        const std::string parting = ":\"?&,|{}";
+        constexpr std::size_t mostParts = 8; // in one file's name; some datasets' names are long
+        std::vector<std::size_t> starts;
+        for (std::size_t at = 0; at <= name.size(); ++at)
         {
-            std::string path = parts[i];
-            if (path.rfind("//", 0) == 0) // vrt://a.tif
-                path.erase(0, 2);
-            while (path.rfind("/vsi", 0) == 0 && path.find('/', 1) != std::string::npos)
-                path.erase(0, path.find('/', 1) + 1);
-            for (fs::path at = path; !at.empty() && at != at.parent_path(); at = at.parent_path())
-            {
-                addFile(at.string());
-                addFile("/" + at.string()); // /vsizip//folder/a.zip
-            }
+            if (at == 0 || parting.find(name[at - 1]) != std::string::npos)
+                starts.push_back(at);
+            if (at == name.size() || parting.find(name[at]) != std::string::npos)
+                for (std::size_t i = starts.size() - std::min(starts.size(), mostParts);
+                     i < starts.size(); ++i)
+                    addPath(name.substr(starts[i], at - starts[i]));
+        }
+    }
+
+    /// A file, or of a path into an archive the archive.
+    void addPath(std::string path)
+    {
+        if (path.rfind("//", 0) == 0) // vrt://a.tif
+            path.erase(0, 2);
+        while (path.rfind("/vsi", 0) == 0 && path.find('/', 1) != std::string::npos)
+            path.erase(0, path.find('/', 1) + 1);
+        for (fs::path at = path; !at.empty() && at != at.parent_path(); at = at.parent_path())
+        {
+            addFile(at.string());
+            addFile("/" + at.string()); // /vsizip//folder/a.zip
         }
     }
 
@@ -140,10 +153,14 @@ std::vector<std::string> filesOf(const std::string& input)
 {
     Collector collector;
     collector.add(input);
-    const std::string suffix = ".terrainlight"; // how a scene is named for our plugin
-    if (input.size() > suffix.size() &&
-        input.compare(input.size() - suffix.size(), suffix.size(), suffix) == 0)
-        collector.add(input.substr(0, input.size() - suffix.size()));
+    // OpenSceneGraph's readers are asked for by further extensions, with arguments before them:
+    // a.tif.terrainlight, a.osgt.0,0,90.rot.
+    std::string name = input;
+    for (std::size_t dot = 0; !isFile(name) && (dot = name.rfind('.')) != std::string::npos;)
+    {
+        name.erase(dot);
+        collector.add(name);
+    }
     return collector.files;
 }
 

@@ -8,8 +8,10 @@ namespace osgTerrainLight
 
 /// Every file on disk that an input is made of: the file itself, what GDAL lists for it (sources of
 /// a VRT, of VRTs among them again, header pairs), its sidecars (.aux.xml, .ovr, .msk, world files,
-/// .prj), the file within a dataset's name (NETCDF:"a.nc":Band1, vrt://a.tif, /vsizip/a.zip/b.tif),
-/// and of an .earth map its layers and its sky. Files that do not exist are not listed.
+/// .prj), the file within a dataset's name (NETCDF:"a.nc":Band1, vrt://a.tif,
+/// /vsizip/{a.zip}/b.tif) and before the extensions that name OpenSceneGraph's readers
+/// (a.tif.terrainlight, a.osgt.2.scale), and of an .earth map its layers and its sky. Files that do
+/// not exist are not listed.
 std::vector<std::string> filesOf(const std::string& input);
 
 /// The first of `inputs` that is the same file (device and inode) as `output`; empty: none.

@@ -45,6 +45,16 @@ std::string complaintOfSystem(const std::string& path, double bytes)
 }
 } // namespace
 
+std::string withoutLinks(const std::string& path)
+{
+    fs::path at = path;
+    std::error_code failure;
+    constexpr int mostLinks = 40; // as many as Linux follows
+    for (int links = 0; links < mostLinks && fs::is_symlink(at, failure); ++links)
+        at = at.parent_path() / fs::read_symlink(at, failure);
+    return at.string();
+}
+
 PendingFile::PendingFile(std::string target) : _target(std::move(target)) {}
 
 PendingFile::~PendingFile()
@@ -74,13 +84,14 @@ Status PendingFile::create(bool overwrite)
             return refused("exists already, and overwriting was not asked for");
     }
     static std::atomic<unsigned> counter{0};
-    _parent = fs::path(_target).parent_path().string();
-    _name = fs::path(_target).filename().string();
+    _place = withoutLinks(_target);
+    _parent = fs::path(_place).parent_path().string();
+    _name = fs::path(_place).filename().string();
     // Not by the target's name, which may be as long as names can be.
     const std::string folder = beside(".partial-" + std::to_string(CPLGetCurrentProcessID()) + "-" +
                                       std::to_string(counter++));
     errno = 0;
-    if (_name.empty() || VSIMkdir(folder.c_str(), 0755) != 0)
+    if (_name.empty() || VSIMkdir(folder.c_str(), 0700) != 0)
         return refused("cannot write into " + (_parent.empty() ? "this folder" : _parent) +
                        (errno != 0 ? ": " + systemsReason(errno) : "") +
                        "; needed an existing folder with leave to write");
@@ -107,21 +118,26 @@ std::string PendingFile::reason(const std::string& said, double bytes,
 
 Status PendingFile::commit()
 {
-    errno = 0;
     const auto failed = [](const std::string& path, const char* what)
     {
         return Error{ErrorCode::Failed,
                      path + ": " + what + (errno != 0 ? ": " + systemsReason(errno) : "")};
     };
-    if (VSIRename(path().c_str(), _target.c_str()) != 0)
+    const CPLStringList names(VSIReadDir(_folder.c_str()));
+    std::error_code failure;
+    if (const fs::file_status old = fs::status(_place, failure); fs::is_regular_file(old))
+        for (int i = 0; i < names.size(); ++i)
+            if (fs::is_regular_file(inside(names[i]), failure))
+                fs::permissions(inside(names[i]), old.permissions(), failure);
+    errno = 0;
+    if (VSIRename(path().c_str(), _place.c_str()) != 0)
         return failed(_target, "cannot be replaced by the file written");
     for (const char* stale : {".aux.xml", ".ovr", ".msk"})
-        VSIUnlink((_target + stale).c_str());
-    const CPLStringList names(VSIReadDir(_folder.c_str()));
+        VSIUnlink((_place + stale).c_str());
     for (int i = 0; i < names.size(); ++i)
     {
         const std::string name = names[i];
-        if (name == "." || name == "..")
+        if (name == "." || name == ".." || name == _name)
             continue;
         errno = 0;
         if (VSIRename(inside(name).c_str(), beside(name).c_str()) != 0)

@@ -7,6 +7,10 @@
 namespace osgTerrainLight
 {
 
+/// The path that a link stands for, through links to links; any other path as it is. A link whose
+/// file does not exist yet stands for that file.
+std::string withoutLinks(const std::string& path);
+
 /// A hidden folder beside a target that is written into under the final name, so that names inside
 /// sidecar files are right, too. Until commit() the target and its sidecars are as they were; the
 /// folder goes with this object, with everything in it, whatever happens.
@@ -18,7 +22,8 @@ public:
     PendingFile(const PendingFile&) = delete;
     PendingFile& operator=(const PendingFile&) = delete;
 
-    /// Errors name the target and the system's reason. overwrite: whether it may exist already.
+    /// A target that is a link stays one: the file that it stands for is replaced. Errors name the
+    /// target and the system's reason. overwrite: whether it may exist already.
     Status create(bool overwrite);
 
     std::string path() const { return inside(_name); }
@@ -31,13 +36,16 @@ public:
     std::string reason(const std::string& said, double bytes, const std::string& suffix = {}) const;
 
     /// Moves all that is in the folder to its place; the main file first, since where that fails
-    /// nothing has changed. Statistics, overviews and masks of the file that was there are removed.
+    /// nothing has changed. Statistics, overviews and masks of the file that was there are removed;
+    /// its permissions stay.
     Status commit();
 
 private:
     std::string beside(const std::string& name) const;
 
-    std::string _target, _parent, _name, _folder;
+    std::string _target; ///< as it was given, for messages
+    std::string _place;  ///< without links
+    std::string _parent, _name, _folder;
 };
 
 } // namespace osgTerrainLight
