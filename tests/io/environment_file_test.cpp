@@ -711,6 +711,47 @@ TEST_F(EnvironmentFileTest, ShapesAndChannelsThatAreNoPanorama)
     EXPECT_EQ(pictureOf(in("odd.exr")).rows, 7);
 }
 
+// Attribute pixelAspectRatio: width of a pixel by its height, so 16 x 16 pixels of 2 are twice as
+// wide as high. A mark says what the picture is, whatever its shape.
+TEST_F(EnvironmentFileTest, ShapeCountsThePixelsAspect)
+{
+    const auto sized = [&](int width, int height, float aspect)
+    {
+        Imf::Header header(width, height, aspect);
+        write(in("a.exr"), header, colours(width, height));
+        return readEnvironmentFile(in("a.exr"));
+    };
+    const Result<EnvironmentPicture> wide = sized(16, 16, 2.0f);
+    ASSERT_TRUE(wide) << wide.error().message;
+    EXPECT_EQ(wide->columns, 16);
+    EXPECT_EQ(wide->rows, 16);
+    EXPECT_EQ(wide->warning, "");
+    EXPECT_TRUE(sized(32, 8, 0.5f));
+    EXPECT_TRUE(sized(16, 8, 1.0f));
+    EXPECT_FALSE(sized(4, 24, 2.0f));
+    EXPECT_FALSE(sized(32, 16, 2.0f));
+    expectError("a.exr", ErrorCode::Invalid,
+                {"32 x 16", "2.000000 times as wide as high (pixelAspectRatio)", "2 : 1"});
+    Imf::Header header(32, 16, 2.0f);
+    addEnvmap(header, Imf::ENVMAP_LATLONG);
+    write(in("a.exr"), header, colours(32, 16));
+    EXPECT_EQ(pictureOf(in("a.exr")).columns, 32);
+}
+
+// Expected: what would be black all over is no sky.
+TEST_F(EnvironmentFileTest, PixelsOutsideTheDisplayWindowAloneAreAnError)
+{
+    const Imath::Box2i display({0, 0}, {15, 7});
+    for (const Imath::V2i& corner : {Imath::V2i(16, 0), Imath::V2i(0, 8), Imath::V2i(-4, -4)})
+    {
+        const Imath::Box2i data(corner, corner + Imath::V2i(3, 3));
+        write(in("a.exr"), Imf::Header(display, data), colours(4, 4));
+        expectError("a.exr", ErrorCode::Invalid, {"no pixels within its display window"});
+    }
+    write(in("a.exr"), Imf::Header(display, Imath::Box2i({15, 7}, {18, 10})), colours(4, 4));
+    EXPECT_EQ(pictureOf(in("a.exr")).columns, 16);
+}
+
 TEST_F(EnvironmentFileTest, DeepPixelsAreRefused)
 {
     {

@@ -181,3 +181,24 @@ TEST_F(ExrEnvironmentTest, LuminanceAndChromaOfOneColour)
                   -0.0182f * 0.6f - 0.1006f * 0.5f + 1.1187f * 0.4f},
                  4e-4f, "");
 }
+
+// Attributes that say something of the light and are not followed. Rec. 709 has the white D65, ACES
+// another (TB-2014-004).
+TEST_F(ExrEnvironmentTest, AttributesThatAreNotFollowedAreSaid)
+{
+    const Imath::V2f d65(0.3127f, 0.3290f), aces(0.32168f, 0.33767f);
+    Imf::Header header(width, height);
+    addWhiteLuminance(header, 100.0f);
+    write(header, rgb(1));
+    expectColour({1, 2, 3}, 0, "its whiteLuminance is not used: pixels are taken as radiance");
+    addAdoptedNeutral(header, aces);
+    write(header, rgb(1));
+    expectColour({1, 2, 3}, 0,
+                 "its whiteLuminance is not used: pixels are taken as radiance; its adoptedNeutral "
+                 "is another white than that of its chromaticities; white is not adapted");
+    // The white that the values have already is no news.
+    Imf::Header neutral(width, height);
+    addAdoptedNeutral(neutral, d65);
+    write(neutral, rgb(1));
+    expectColour({1, 2, 3}, 0, "");
+}

@@ -42,6 +42,22 @@ TEST(ExrLayers, ThePictureOfEachProgram)
     EXPECT_EQ(first(coloured({"Normal"})), "Normal."); // nothing else: taken, and said
 }
 
+// Colours of surfaces, as Blender, Arnold, RenderMan, V-Ray, Redshift and Houdini name them, before
+// light in the order of the alphabet: they are taken last.
+TEST(ExrLayers, ColoursOfSurfacesAreNoLight)
+{
+    for (const char* name : {"diffuse_color", "diffuse color", "DiffCol", "Diffuse Color",
+                             "specular_color", "GlossCol", "TransCol", "base_color", "basecolour",
+                             "albedo", "diffuse_albedo", "VRayDiffuseFilter", "DiffuseFilter"})
+    {
+        EXPECT_EQ(first(coloured({name, "z_emission"})), "z_emission.") << name;
+        EXPECT_TRUE(isNoLight({0, "", std::string(name) + ".", LayerKind::Colours})) << name;
+    }
+    for (const char* name : {"color", "final_color", "sky_colour", "diffuse", "specular_direct",
+                             "collection", "Emit", "reflection"})
+        EXPECT_FALSE(isNoLight({0, "", std::string(name) + ".", LayerKind::Colours})) << name;
+}
+
 TEST(ExrLayers, VectorsAndDepthAreNoLuminance)
 {
     EXPECT_EQ(first({"normal.X", "normal.Y", "normal.Z"}), "none");

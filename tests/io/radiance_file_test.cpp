@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 using namespace osgTerrainLight;
@@ -232,6 +233,31 @@ TEST_F(RadianceFileTest, AViewIsSaid)
                                   times(coded({1.0f, 1.0f, 1.0f}), 32)));
     ASSERT_TRUE(picture);
     EXPECT_NE(picture->warning.find("VIEW is of type -vth"), std::string::npos) << picture->warning;
+}
+
+// What a header says and the picture does not follow; of several FORMAT lines the last counts.
+TEST_F(RadianceFileTest, VariablesThatAreNotFollowedAreSaid)
+{
+    const std::string xyze = "FORMAT=32-bit_rle_xyze\n";
+    const std::string both = "its FORMAT lines contradict each other; the last one, ";
+    const std::pair<std::string, std::string> cases[] = {
+        {"GAMMA=2.2\n", "its GAMMA is 2.2; it is taken as linear light"},
+        {"GAMMA=x\n", "its GAMMA is x; it is taken as linear light"},
+        {"GAMMA= 1.0\n", ""},
+        {"\tGAMMA=2.2\n", ""}, // of a picture that it was made from
+        {rgbe + std::string(rgbe), ""},
+        {rgbe + xyze, both + "32-bit_rle_xyze, counts"},
+        {xyze + rgbe, both + "32-bit_rle_rgbe, counts"},
+        {xyze + rgbe + "GAMMA=2\n",
+         both + "32-bit_rle_rgbe, counts; its GAMMA is 2; it is taken as linear light"}};
+    for (const auto& [variables, said] : cases)
+    {
+        const std::string path =
+            write(variables, "-Y 4 +X 8", times(coded({1.0f, 1.0f, 1.0f}), 32));
+        const Result<EnvironmentPicture> picture = readEnvironmentFile(path);
+        ASSERT_TRUE(picture) << picture.error().message;
+        EXPECT_EQ(picture->warning, said.empty() ? "" : path + ": " + said) << variables;
+    }
 }
 
 TEST_F(RadianceFileTest, DamageGivesOneMessageAlwaysTheSame)

@@ -55,6 +55,14 @@ std::string makeUsable(std::vector<Rgb>& pixels)
            std::to_string(infinite) + " are infinite and taken as 65504 (or 0 where negative)";
 }
 
+std::string joined(std::initializer_list<std::string> sentences)
+{
+    std::string all;
+    for (const std::string& sentence : sentences)
+        all += (all.empty() || sentence.empty() ? "" : "; ") + sentence;
+    return all;
+}
+
 namespace
 {
 bool exists(const std::string& path)

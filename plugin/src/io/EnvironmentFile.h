@@ -4,6 +4,7 @@
 #include <osgTerrainLight/Environment.h>
 
 #include <cstddef>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,9 @@ struct EnvironmentPicture
 /// holds no light of a kind we read.
 Result<EnvironmentPicture> readEnvironmentFile(const std::string& path,
                                                std::size_t maxPixels = std::size_t(1) << 27);
+
+/// Those that are not empty, separated by semicolons.
+std::string joined(std::initializer_list<std::string> sentences);
 
 /// Of a latitude-longitude picture of width · height pixels, row 0 = zenith: its middle is north,
 /// what is right of it in the east (docs/CONVENTIONS.md). Turned by whole texels.

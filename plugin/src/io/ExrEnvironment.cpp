@@ -248,14 +248,26 @@ Result<bool> checkShape(const std::string& path, const Imf::Header& header, std:
         if (!isWithin(each, maxPixels))
             return Error{ErrorCode::Invalid, path + ": has a window of " + textOf(each) +
                                                  "; needed 1 to " + std::to_string(maxPixels)};
+    if (!header.dataWindow().intersects(header.displayWindow()))
+        return Error{ErrorCode::Invalid, path + ": has no pixels within its display window"};
     const bool isMarked = hasEnvmap(header);
+    // Width of a pixel by its height, as of projectors: it counts in the shape of a picture that
+    // does not say what it is. Other widths than 1 round the picture's own to whole pixels.
+    const double aspect = header.pixelAspectRatio();
+    const bool isSquare = aspect == 1.0;
     const bool isCube =
-        isMarked ? envmap(header) == Imf::ENVMAP_CUBE : size.height == 6 * size.width;
-    const bool fits =
-        isCube ? size.height == 6 * size.width : isMarked || size.width == 2 * size.height;
+        isMarked ? envmap(header) == Imf::ENVMAP_CUBE : isSquare && size.height == 6 * size.width;
+    const double shape = 2.0 * static_cast<double>(size.height) / aspect;
+    const bool fits = isCube ? size.height == 6 * size.width
+                             : isMarked || std::abs(static_cast<double>(size.width) - shape) <=
+                                               (isSquare ? 0.0 : 1.0);
     if (!fits)
         return Error{ErrorCode::Invalid,
-                     path + ": is " + textOf(size) + " and " +
+                     path + ": is " + textOf(size) +
+                         (isSquare ? ""
+                                   : ", " + std::to_string(aspect) +
+                                         " times as wide as high (pixelAspectRatio),") +
+                         " and " +
                          (isMarked ? "marked as a cube; needed 1 : 6, the faces below each other"
                                    : "has no attribute envmap; needed 2 : 1 (latitude-longitude) "
                                      "or 1 : 6 (cube, the faces below each other)")};
@@ -265,6 +277,21 @@ Result<bool> checkShape(const std::string& path, const Imf::Header& header, std:
                                              (isCube ? textOf({maxColumns / 4, 6 * maxColumns / 4})
                                                      : textOf({maxColumns, maxRows}))};
     return isCube;
+}
+
+/// What the header says of light and the picture does not follow.
+std::string doubtsOf(const Imf::Header& header)
+{
+    const Imath::V2f white =
+        (hasChromaticities(header) ? chromaticities(header) : Imf::Chromaticities()).white;
+    const bool isAdopted =
+        hasAdoptedNeutral(header) && !((adoptedNeutral(header) - white).length() <= 1e-3f);
+    return joined({hasWhiteLuminance(header)
+                       ? "its whiteLuminance is not used: pixels are taken as radiance"
+                       : "",
+                   isAdopted ? "its adoptedNeutral is another white than that of its "
+                               "chromaticities; white is not adapted"
+                             : ""});
 }
 } // namespace
 
@@ -284,13 +311,12 @@ Result<EnvironmentPicture> readExrEnvironment(const std::string& path, std::size
     if (hasChromaticities(header))
         if (const Status done = convert(picture, chromaticities(header)); !done)
             return Error{ErrorCode::Invalid, path + ": " + done.error().message};
-    std::string warning = makeUsable(picture.pixels);
+    const std::string warning =
+        joined({makeUsable(picture.pixels), choice->warning, doubtsOf(header)});
     picture = framed(std::move(picture), header.dataWindow(), header.displayWindow());
     EnvironmentPicture result =
         *isCube ? fromCube(picture)
                 : fromLatitudeLongitude(picture.width, picture.height, picture.pixels);
-    if (!choice->warning.empty())
-        warning += (warning.empty() ? "" : "; ") + choice->warning;
     if (!warning.empty())
         result.warning = path + ": " + warning;
     return result;

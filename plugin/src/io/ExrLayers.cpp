@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -38,15 +39,43 @@ bool isWholePicture(const std::string& name)
 }
 } // namespace
 
+namespace
+{
+bool endsWith(const std::string& text, const std::string& end)
+{
+    return text.size() >= end.size() &&
+           text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+/// Colours of surfaces, by which light is multiplied: albedo, DiffCol, diffuse_color,
+/// VRayDiffuseFilter. word: lower case, without blanks, hyphens and underscores.
+bool isSurfaceColour(const std::string& word)
+{
+    if (word.find("albedo") != std::string::npos || word.find("reflectance") != std::string::npos ||
+        endsWith(word, "filter"))
+        return true;
+    static const char* const surfaces[] = {"base",   "diff",    "gloss",      "spec",  "trans",
+                                           "reflec", "refrac",  "subsurface", "sheen", "coat",
+                                           "object", "surface", "material",   "vertex"};
+    const bool isColour =
+        endsWith(word, "col") || endsWith(word, "color") || endsWith(word, "colour");
+    return isColour && std::any_of(std::begin(surfaces), std::end(surfaces),
+                                   [&](const char* surface)
+                                   { return word.find(surface) != std::string::npos; });
+}
+} // namespace
+
 bool isNoLight(const ExrLayer& layer)
 {
-    static const char* const starts[] = {"crypto", "normal",   "position", "depth",   "motion",
-                                         "vector", "velocity", "uv",       "mask",    "index",
-                                         "albedo", "diffcol",  "glosscol", "transcol"};
+    static const char* const starts[] = {"crypto", "normal",   "position", "depth", "motion",
+                                         "vector", "velocity", "uv",       "mask",  "index"};
     static const std::set<std::string> names = {"ao", "id", "mist", "n", "occlusion", "p", "st"};
-    for (const std::string& part : partsOf(layer.name))
+    for (std::string part : partsOf(layer.name))
     {
-        if (names.count(part) != 0)
+        part.erase(std::remove_if(part.begin(), part.end(),
+                                  [](char c) { return c == ' ' || c == '-' || c == '_'; }),
+                   part.end());
+        if (names.count(part) != 0 || isSurfaceColour(part))
             return true;
         for (const char* start : starts)
             if (part.rfind(start, 0) == 0)

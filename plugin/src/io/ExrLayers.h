@@ -36,8 +36,8 @@ struct ExrLayer
 /// without X and Z, which would be a vector. First comes the layer without a name; then those that
 /// programs write for the whole picture (Combined, beauty, rgba, rgb, color, composite, final,
 /// main; of any case, by the last part of the name); last those whose names say that they hold no
-/// light (normals, positions, depth, motion, masks, albedo, occlusion). Of equals, those of the
-/// view that comes first, then the part that comes first, then by name.
+/// light (normals, positions, depth, motion, masks, colours of surfaces, occlusion). Of equals,
+/// those of the view that comes first, then the part that comes first, then by name.
 std::vector<ExrLayer> lightLayers(const std::vector<ExrPart>& parts);
 
 /// Whether the layer's name says that it holds no light.

@@ -20,10 +20,14 @@ namespace
 {
 using Pixel = std::array<unsigned char, 4>; ///< mantissas of three channels, exponent
 
+constexpr const char* xyzFormat = "32-bit_rle_xyze";
+
 /// What the header's lines say.
 struct Header
 {
-    bool isXyz = false;
+    std::string format;                               ///< of the last FORMAT line
+    bool hasFormats = false;                          ///< FORMAT lines that contradict each other
+    std::string gamma;                                ///< of the last GAMMA that is not 1
     std::array<double, 3> exposure = {1.0, 1.0, 1.0}; ///< EXPOSURE times COLORCORR, per channel
     double pixelAspect = 1.0;
     std::optional<std::array<double, 8>> primaries; ///< x, y of red, green, blue, white
@@ -122,9 +126,10 @@ std::string readVariable(const std::string& line, Header& header)
     {
         const std::size_t start = std::min(value.find_first_not_of(' '), value.size());
         const std::string format = value.substr(start, value.find_last_not_of(' ') + 1 - start);
-        header.isXyz = format == "32-bit_rle_xyze";
-        if (!header.isXyz && format != "32-bit_rle_rgbe")
+        if (format != xyzFormat && format != "32-bit_rle_rgbe")
             return "needed FORMAT=32-bit_rle_rgbe or 32-bit_rle_xyze";
+        header.hasFormats |= !header.format.empty() && format != header.format;
+        header.format = format;
     }
     else if (name == "EXPOSURE" || name == "COLORCORR")
     {
@@ -149,6 +154,8 @@ std::string readVariable(const std::string& line, Header& header)
             primaries[i] = numbers[i];
         header.primaries = primaries;
     }
+    else if (name == "GAMMA" && numbers != std::vector<double>{1.0})
+        header.gamma = value.substr(0, 80);
     else if (name == "VIEW")
     {
         const std::size_t type = value.rfind("-vt");
@@ -293,7 +300,7 @@ std::optional<glm::dmat3> colourMatrix(const Header& header)
 {
     constexpr double lumensPerWatt = 179.0; // of Radiance's white (color.h, WHTEFFICACY)
     glm::dmat3 matrix(1.0);
-    if (header.isXyz)
+    if (header.format == xyzFormat)
         matrix = glm::inverse(toXyz(radianceColours)) / lumensPerWatt;
     else if (header.primaries && !isClose(*header.primaries, radianceColours) &&
              !isClose(*header.primaries, rec709))
@@ -366,6 +373,20 @@ std::string readHeader(Bytes& bytes, Header& header, Resolution& resolution)
     return {};
 }
 
+/// What the header says and the picture does not follow.
+std::string doubtsOf(const Header& header)
+{
+    return joined(
+        {header.hasFormats
+             ? "its FORMAT lines contradict each other; the last one, " + header.format + ", counts"
+             : "",
+         header.gamma.empty() ? ""
+                              : "its GAMMA is " + header.gamma + "; it is taken as linear light",
+         header.viewType.empty()
+             ? ""
+             : "its VIEW is of type " + header.viewType + "; it is taken as latitude-longitude"});
+}
+
 /// Empty, or what is wrong with the shape.
 std::string complaintOf(const Header& header, const Resolution& resolution, std::size_t maxPixels)
 {
@@ -423,12 +444,9 @@ Result<EnvironmentPicture> readRadianceFile(const std::string& path, std::size_t
         }
     }
     pixels = upright(std::move(pixels), resolution);
-    std::string warning = makeUsable(pixels);
+    const std::string warning = joined({makeUsable(pixels), doubtsOf(header)});
     EnvironmentPicture picture =
         fromLatitudeLongitude(resolution.width(), resolution.height(), pixels);
-    if (!header.viewType.empty())
-        warning += (warning.empty() ? "" : "; ") + std::string("its VIEW is of type ") +
-                   header.viewType + "; it is taken as latitude-longitude";
     if (!warning.empty())
         picture.warning = path + ": " + warning;
     return picture;
