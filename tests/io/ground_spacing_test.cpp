@@ -2,6 +2,7 @@
 
 #include "io/DemReader.h"
 #include "io/GdalErrors.h"
+#include "support/DemHeights.h"
 #include "support/MemoryRaster.h"
 
 #include <gtest/gtest.h>
@@ -155,6 +156,45 @@ TEST(GroundSpacing, CylindricalMapsAreExactByRow)
         EXPECT_NEAR(file.tile.eastSpacing(row) / factor, cell * cosine, 2e-2);
     }
     EXPECT_TRUE(file.notes.empty());
+}
+
+// Azimuthal maps at an arc c from their centre, along x: scales by Snyder 1987, eqs 20-4 and 20-5
+// (orthographic: cos c and 1), 22-1 and 22-2 (gnomonic: 1/cos² c and 1/cos c), 24-1a (equal-area:
+// cos(c/2) and its inverse). East over north differs along a row, so no row has one of its own.
+TEST(GroundSpacing, TheMiddleOfAnAzimuthalMapIsExact)
+{
+    const double moon = 1737400.0;
+    const struct
+    {
+        const char* crs;
+        double x, cell;
+        std::function<std::pair<double, double>(double)> scales; // by x/R: along and across
+    } maps[] = {{"+proj=ortho +lat_0=0 +R=1737400 +units=m", 0.0, 80000.0,
+                 [](double s) { return std::pair(std::sqrt(1.0 - s * s), 1.0); }},
+                {"+proj=ortho +lat_0=0 +R=1737400 +units=m", 6e5, 40000.0,
+                 [](double s) { return std::pair(std::sqrt(1.0 - s * s), 1.0); }},
+                {"+proj=gnom +lat_0=90 +R=1737400 +units=m", 0.0, 40000.0,
+                 [](double s) { return std::pair(1.0 + s * s, std::sqrt(1.0 + s * s)); }},
+                {"+proj=gnom +lat_0=90 +R=1737400 +units=m", 9e5, 40000.0,
+                 [](double s) { return std::pair(1.0 + s * s, std::sqrt(1.0 + s * s)); }},
+                {"+proj=laea +lat_0=90 +R=1737400 +units=m", 5e5, 40000.0,
+                 [](double s)
+                 {
+                     const double cosine = std::sqrt(1.0 - s * s / 4.0);
+                     return std::pair(cosine, 1.0 / cosine);
+                 }}};
+    for (const auto& map : maps)
+    {
+        SCOPED_TRACE(map.crs);
+        const DemFile file = read(around(map.crs, map.x, 0.0, map.cell, 41));
+        ASSERT_EQ(file.tile.width(), 41);
+        const auto [along, across] = map.scales(map.x / moon);
+        EXPECT_NEAR(file.tile.northSpacing, map.cell / across, 1e-6 * map.cell);
+        for (const int row : {0, 20, 40})
+            EXPECT_NEAR(file.tile.eastSpacing(row), map.cell / along, 1e-6 * map.cell);
+        EXPECT_NEAR(std::abs(heightAt(file.tile, 20, 20)), 50.0, 1e-3);
+        EXPECT_NE(noteWith(file, "differs by direction"), "");
+    }
 }
 
 TEST(GroundSpacing, AWholePlanetHasPositiveSpacings)

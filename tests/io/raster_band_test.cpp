@@ -322,6 +322,40 @@ TEST(RasterBand, MasksSayWhatIsVoid)
     EXPECT_FALSE(describeDem(MemoryRaster().write())->hasMask);
 }
 
+// GDAL itself makes a mask of the alpha in two or four bands of Byte or UInt16 only.
+TEST(RasterBand, AnAlphaBandOfAnyTypeSaysWhatIsVoid)
+{
+    for (const GDALDataType type :
+         {GDT_Byte, GDT_UInt16, GDT_Int16, GDT_Int32, GDT_Float32, GDT_Float64})
+        for (const int bands : {2, 3, 4, 5})
+        {
+            SCOPED_TRACE(std::string(GDALGetDataTypeName(type)) + " " + std::to_string(bands));
+            MemoryRaster raster;
+            raster.type = type;
+            raster.bands = bands;
+            raster.creation = {"PHOTOMETRIC=MINISBLACK", "ALPHA=YES"};
+            raster.noData = 3; // GDAL asks this alone where both are there
+            const std::string path = raster.write();
+            {
+                const GDALDatasetUniquePtr dataset(
+                    GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_UPDATE));
+                for (int i = 2; i <= bands; ++i)
+                    dataset->GetRasterBand(i)->SetColorInterpretation(i == bands ? GCI_AlphaBand
+                                                                                 : GCI_Undefined);
+                // A byte of a fraction would be 0.
+                std::vector<double> alpha = {255, 0,  255, GDALDataTypeIsInteger(type) ? 1 : 0.25,
+                                             0,   255};
+                ASSERT_EQ(dataset->GetRasterBand(bands)->RasterIO(
+                              GF_Write, 0, 0, 3, 2, alpha.data(), 3, 2, GDT_Float64, 0, 0, nullptr),
+                          CE_None);
+            }
+            const Result<DemFile> file = readDem(path);
+            ASSERT_TRUE(file) << file.error().message;
+            osgTerrainLight::expectHeights(*file, {1, missing, missing, 4, missing, 6});
+            EXPECT_TRUE(describeDem(path)->hasMask);
+        }
+}
+
 TEST(RasterBand, StatisticsAreToldAndNotUsed)
 {
     using Metadata = std::vector<std::pair<std::string, std::string>>;

@@ -48,9 +48,11 @@ public:
     HeightReader(const std::string& path, const DemReadOptions& options, OpenDem& dem,
                  const GdalErrors& errors)
         : _path(path), _options(options), _dem(dem), _errors(errors), _info(dem.info),
-          _band(dem.band), _window(dem.info.window), _customs(dem.info),
-          _survey(dem.info.bodyRadius)
+          _band(dem.band), _maskBand(dem.band->GetMaskBand()), _window(dem.info.window),
+          _customs(dem.info), _survey(dem.info.bodyRadius)
     {
+        if (_info.alphaBand != 0)
+            _maskBand = dem.dataset->GetRasterBand(_info.alphaBand);
     }
 
     Result<DemFile> read()
@@ -157,14 +159,19 @@ private:
     void useOverview(int maxSide)
     {
         const std::size_t count = place(_window.height, 0);
+        GDALRasterBand* const alpha =
+            _info.alphaBand != 0 ? _dem.dataset->GetRasterBand(_info.alphaBand) : nullptr;
         for (int i = 0; count > _options.maxPosts && i < _dem.band->GetOverviewCount(); ++i)
         {
             GDALRasterBand* overview = _dem.band->GetOverview(i);
+            GDALRasterBand* mask = alpha ? alpha->GetOverview(i) : overview->GetMaskBand();
             const int width = overview->GetXSize();
             const int height = overview->GetYSize();
-            if (std::max(width, height) >= maxSide && width <= _window.width)
+            const bool masked = mask && mask->GetXSize() == width && mask->GetYSize() == height;
+            if (std::max(width, height) >= maxSide && width <= _window.width && masked)
             {
                 _band = overview;
+                _maskBand = mask;
                 _window = {0, 0, width, height};
             }
         }
@@ -215,15 +222,15 @@ private:
             return false;
         _mask.resize(_info.hasMask ? count : 0);
         if (_info.hasMask &&
-            _band->GetMaskBand()->RasterIO(GF_Read, left, top, width, rows, _mask.data(), width,
-                                           rows, GDT_Byte, 0, 0, nullptr) != CE_None)
+            _maskBand->RasterIO(GF_Read, left, top, width, rows, _mask.data(), width, rows,
+                                GDT_Float32, 0, 0, nullptr) != CE_None)
             return false;
         for (std::size_t i = 0; i < count; ++i)
         {
             Real& value = strip[i];
             if (_info.signedBytes && value > Real(127))
                 value -= Real(256);
-            if (isNoData(value) || (_info.hasMask && _mask[i] == 0))
+            if (isNoData(value) || (_info.hasMask && !(_mask[i] > 0.0f)))
                 value = std::numeric_limits<Real>::quiet_NaN();
             else if (survey && !_customs.take(static_cast<double>(value)))
                 _survey.add(_info.metresOf(static_cast<double>(value)));
@@ -317,9 +324,10 @@ private:
     OpenDem& _dem;
     const GdalErrors& _errors;
     const DemInfo& _info;
-    GDALRasterBand* _band;    ///< what is read: the raster's, or an overview
-    PixelWindow _window;      ///< of it
-    std::vector<GByte> _mask; ///< of a strip
+    GDALRasterBand* _band;     ///< what is read: the raster's, or an overview
+    GDALRasterBand* _maskBand; ///< of _band
+    PixelWindow _window;       ///< of it
+    std::vector<float> _mask;  ///< of a strip; an alpha band can hold fractions
     CustomaryVoids _customs;
     HeightSurvey _survey;
 };

@@ -70,7 +70,7 @@ bool isTrue(const Nodes& nodes, double metresPerUnit)
                        });
 }
 
-/// East over north scale; of an oblique pair the ratio of the greatest to the least.
+/// Of the greatest scale in any direction to the least.
 double worstRatio(const GroundPoint& p)
 {
     // Singular values of the Jacobian: those of Tissot's indicatrix (Snyder 1987, section 4).
@@ -78,6 +78,51 @@ double worstRatio(const GroundPoint& p)
     const double difference =
         std::hypot(p.eastAlongX - p.northAlongY, p.northAlongX + p.eastAlongY);
     return (sum + difference) / std::max(std::abs(sum - difference), 1.0e-12 * sum);
+}
+
+/// East over north scale.
+double ratioOf(const GroundPoint& point)
+{
+    return std::max(point.metresPerX() / std::max(point.metresPerY(), 1.0e-12 * point.metresPerX()),
+                    1.0e-6);
+}
+
+/// By row of nodes; nothing where a ratio is not the same all along its row.
+std::optional<std::vector<double>> ratiosByRow(const Nodes& nodes, double middle)
+{
+    std::vector<double> ratios;
+    for (int row = 0; row < nodes.rows; ++row)
+    {
+        std::vector<double> along;
+        for (int column = 0; column < nodes.columns; ++column)
+            if (const std::optional<GroundPoint>& point = nodes.at(column, row))
+                along.push_back(ratioOf(*point));
+        if (along.empty())
+            along.push_back(middle);
+        const auto [least, most] = std::minmax_element(along.begin(), along.end());
+        // At a pole of a cylindrical map all ratios are 0, but for rounding.
+        if (*most - *least > trueScale * std::max(*most, 1.0e-3))
+            return std::nullopt;
+        ratios.push_back(0.5 * (*least + *most));
+    }
+    return ratios;
+}
+
+/// Greatest ratio of scales by direction that is left when each row's own was taken off.
+double worstStretch(const Nodes& nodes, const std::vector<double>& ratios, double north)
+{
+    double worst = 1.0;
+    for (int row = 0; row < nodes.rows; ++row)
+        for (int column = 0; column < nodes.columns; ++column)
+            if (const std::optional<GroundPoint>& point = nodes.at(column, row);
+                point && point->metresPerX() > 1.0e-4 * north)
+            {
+                GroundPoint rest = *point;
+                rest.eastAlongX /= ratios[static_cast<std::size_t>(row)];
+                rest.northAlongX /= ratios[static_cast<std::size_t>(row)];
+                worst = std::max(worst, worstRatio(rest));
+            }
+    return worst;
 }
 
 /// Scale of a projected map. middle: of the raster.
@@ -88,35 +133,15 @@ void takeScale(const Nodes& nodes, const GroundPoint& middle, const RasterFrame&
     const double north = middle.metresPerY();
     spacing.north = std::abs(frame.geoTransform[5]) * north;
     std::vector<double> factors;
-    std::vector<double> ratios; // east over north by row of nodes
-    bool sameInAllDirections = true;
-    double worst = 1.0;
-    for (int row = 0; row < nodes.rows; ++row)
-    {
-        double sum = 0.0;
-        int count = 0;
-        for (int column = 0; column < nodes.columns; ++column)
-        {
-            const GroundPoint& point = nodes.at(column, row).value_or(middle);
-            factors.push_back(north / std::max(point.metresPerY(), 1.0e-6 * north));
-            sum += point.metresPerX() / std::max(point.metresPerY(), 1.0e-6 * north);
-            ++count;
-        }
-        ratios.push_back(std::max(sum / count, 1.0e-6));
-        sameInAllDirections = sameInAllDirections && std::abs(ratios.back() - 1.0) < 1.0e-5;
-        for (int column = 0; column < nodes.columns; ++column)
-            if (const std::optional<GroundPoint>& point = nodes.at(column, row);
-                point && point->metresPerX() > 1.0e-4 * north)
-            {
-                // What the row's own ratio does not take off.
-                GroundPoint rest = *point;
-                rest.eastAlongX /= ratios.back();
-                rest.northAlongX /= ratios.back();
-                worst = std::max(worst, worstRatio(rest));
-            }
-    }
+    for (const std::optional<GroundPoint>& point : nodes.points)
+        factors.push_back(north / std::max(point.value_or(middle).metresPerY(), 1.0e-6 * north));
     spacing.factors =
         HeightFactors(frame.width, frame.height, nodes.columns, nodes.rows, std::move(factors));
+
+    const double ratioOfMiddle = ratioOf(middle);
+    const std::optional<std::vector<double>> byRow = ratiosByRow(nodes, ratioOfMiddle);
+    const std::vector<double> ratios =
+        byRow.value_or(std::vector<double>(static_cast<std::size_t>(nodes.rows), ratioOfMiddle));
     const auto eastOf = [&](int row)
     {
         const double at = nodes.rows == 1
@@ -127,13 +152,16 @@ void takeScale(const Nodes& nodes, const GroundPoint& middle, const RasterFrame&
         const double share = at - static_cast<double>(below);
         return stepX * north * ((1.0 - share) * ratios[below] + share * ratios[above]);
     };
-    spacing.east = {stepX * north};
-    if (!sameInAllDirections)
+    const bool sameInAllDirections = std::all_of(
+        ratios.begin(), ratios.end(), [](double ratio) { return std::abs(ratio - 1.0) < 1.0e-5; });
+    spacing.east = {stepX * north * (byRow ? 1.0 : ratioOfMiddle)};
+    if (byRow && !sameInAllDirections)
     {
         spacing.east.clear();
         for (int row = 0; row < frame.height; ++row)
             spacing.east.push_back(eastOf(row));
     }
+    const double worst = worstStretch(nodes, ratios, north);
     if (worst - 1.0 > tellableStretch)
         spacing.notes.push_back(
             std::string("the map's scale differs by direction, by a factor of up to ") +

@@ -71,8 +71,9 @@ struct GroundSpacing
 /// metresPerRadian(). Maps that are true within 0.2 % in the whole raster (UTM in its zone,
 /// national grids): the map's own. All others: the projection's scale at each post, by MapGround;
 /// exact where it is the same in all directions (conformal maps, Web Mercator) or differs between
-/// east and north in the same way along each row (equirectangular and other cylindrical maps). A
-/// note tells by how much slopes are wrong on what is neither.
+/// east and north in the same way along each row (equirectangular and other cylindrical maps). On
+/// what is neither the middle of the raster is right, and a note tells by how much slopes are wrong
+/// elsewhere.
 Result<GroundSpacing> measureGround(const std::string& path, const OGRSpatialReference* crs,
                                     const RasterFrame& frame);
 

@@ -176,6 +176,24 @@ bool pointsDown(GDALRasterBand& band, const OGRSpatialReference* crs)
     return axis && axis->down;
 }
 
+/// GDAL makes a mask of an alpha band only of one or three other bands, and of whole numbers
+/// without a sign. 0: there is none.
+int alphaBandOf(GDALDataset& dataset)
+{
+    for (int i = 1; i <= dataset.GetRasterCount(); ++i)
+        if (dataset.GetRasterBand(i)->GetColorInterpretation() == GCI_AlphaBand)
+            return i;
+    return 0;
+}
+
+void readMask(GDALDataset& dataset, GDALRasterBand& band, BandFacts& facts)
+{
+    const int flags = band.GetMaskFlags();
+    const bool masked = (flags & GMF_ALL_VALID) == 0 && flags != GMF_NODATA;
+    facts.alphaBand = masked ? 0 : alphaBandOf(dataset);
+    facts.hasMask = masked || facts.alphaBand != 0;
+}
+
 std::optional<std::array<double, 2>> readStatistics(GDALRasterBand& band)
 {
     // Stored ones only: nothing is computed.
@@ -271,8 +289,7 @@ Result<BandFacts> readBandFacts(const std::string& path, GDALDataset& dataset, i
     if (facts.depths)
         notes.push_back("the vertical axis points down: depths become heights below 0");
     facts.noData = readNoData(asked, facts);
-    const int flags = asked.GetMaskFlags();
-    facts.hasMask = (flags & GMF_ALL_VALID) == 0 && flags != GMF_NODATA;
+    readMask(dataset, asked, facts);
     facts.statistics = readStatistics(asked);
     return facts;
 }

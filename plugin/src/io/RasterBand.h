@@ -21,6 +21,7 @@ struct BandFacts
     bool integer = false;     ///< whole numbers
     bool fitsFloat = false;   ///< at most 24 significant bits
     bool hasMask = false;     ///< a mask or alpha band says what is void
+    int alphaBand = 0;        ///< that band, where GDAL makes no mask of it; else 0
     bool hasColourTable = false;
     std::optional<double> noData;     ///< of stored values
     double scale = 1.0, offset = 0.0; ///< value = stored · scale + offset
