@@ -1,11 +1,13 @@
-// Damaged OpenEXR and Radiance files through the readers and on to an environment: whatever comes
-// in, what comes out is an error that names the file, or light. Plain mutation of files of every
-// layout, no guidance by coverage, so that any compiler will do; meant for the build with
-// sanitizers. Usage: environment_fuzz [--seed N] [--runs N | --seconds N] [--keep FOLDER] The file
-// at hand is FOLDER/input.exr, so it is there after a crash.
+// Damaged panoramas (OpenEXR, Radiance, and PNG, BMP and TIFF through GDAL) through the readers and
+// on to an environment: whatever comes in, what comes out is an error that names the file, or
+// light. Plain mutation of files of every layout, no guidance by coverage, so that any compiler
+// will do; meant for the build with sanitizers.
+// Usage: environment_fuzz [--seed N] [--runs N | --seconds N] [--keep FOLDER]
+// The file at hand is FOLDER/input.exr, .hdr or .dat, so it is there after a crash.
 #include "Mutation.h"
 #include "io/EnvironmentFile.h"
 #include "io/ExrFile.h"
+#include "io/GdalErrors.h"
 
 #include <ImfChannelList.h>
 #include <ImfChromaticities.h>
@@ -16,11 +18,14 @@
 #include <ImfRgbaFile.h>
 #include <ImfStandardAttributes.h>
 #include <ImfTiledOutputFile.h>
+#include <gdal_priv.h>
 
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 using namespace osgTerrainLight;
@@ -53,6 +58,53 @@ std::vector<std::string> radiancePictures()
                 "PRIMARIES=.708 .292 .17 .797 .131 .046 .3127 .329\nVIEW= -vtv\nPIXASPECT=1\n\n"
                 "-Y 8 +X 16\n" +
                 coded};
+}
+
+/// A picture of another format, 16 x 8; of one band, with a palette where it is of bytes.
+std::string rasterPicture(const std::string& path, const char* format, GDALDataType type, int bands)
+{
+    GDALDriverManager& drivers = *GetGDALDriverManager();
+    const std::unique_ptr<GDALDataset> memory(
+        drivers.GetDriverByName("MEM")->Create("", 16, 8, bands, type, nullptr));
+    std::vector<float> values(16 * 8);
+    for (int number = 1; number <= bands; ++number)
+    {
+        GDALRasterBand& band = *memory->GetRasterBand(number);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            values[i] = static_cast<float>((i * 7 + static_cast<std::size_t>(number)) % 13);
+        require(band.RasterIO(GF_Write, 0, 0, 16, 8, values.data(), 16, 8, GDT_Float32, 0, 0,
+                              nullptr) == CE_None,
+                "no picture");
+        if (bands > 1 || type != GDT_Byte)
+            continue;
+        GDALColorTable palette;
+        for (short i = 0; i < 13; ++i)
+        {
+            const GDALColorEntry entry = {i, 200, 100, 255};
+            palette.SetColorEntry(i, &entry);
+        }
+        band.SetColorTable(&palette);
+    }
+    {
+        const std::unique_ptr<GDALDataset> written(drivers.GetDriverByName(format)->CreateCopy(
+            path.c_str(), memory.get(), FALSE, nullptr, nullptr, nullptr));
+        require(written != nullptr, "no picture");
+    }
+    return bytesOf(path);
+}
+
+std::vector<std::string> rasterPictures(const std::string& path)
+{
+    std::vector<std::string> found;
+    for (const auto& [format, type, bands] :
+         std::vector<std::tuple<const char*, GDALDataType, int>>{{"PNG", GDT_Byte, 3},
+                                                                 {"PNG", GDT_Byte, 1},
+                                                                 {"PNG", GDT_UInt16, 1},
+                                                                 {"BMP", GDT_Byte, 3},
+                                                                 {"BMP", GDT_Byte, 1},
+                                                                 {"GTiff", GDT_Float32, 3}})
+        found.push_back(rasterPicture(path, format, type, bands));
+    return found;
 }
 
 /// Files of each layout and compression.
@@ -154,10 +206,23 @@ bool tryFile(const std::string& path)
 int main(int count, char** arguments)
 {
     const FuzzOptions options(count, arguments, "environment_fuzz");
-    const std::string path = options.file("input.exr");
-    return fuzz(options, seeds(path),
+    GDALAllRegister();
+    CPLSetConfigOption("GDAL_PAM_ENABLED", "NO"); // no files beside the one at hand
+    const GdalErrors quiet;
+    std::vector<std::string> files = seeds(options.file("input.exr"));
+    for (const std::string& picture : rasterPictures(options.file("input.dat")))
+        files.push_back(picture);
+    // By its first bytes, which are what the reader goes by where the name says nothing.
+    const auto nameOf = [](const std::string& bytes)
+    {
+        return bytes.rfind("\x76\x2f\x31\x01", 0) == 0 ? "input.exr"
+               : bytes.rfind("#?", 0) == 0             ? "input.hdr"
+                                                       : "input.dat";
+    };
+    return fuzz(options, files,
                 [&](const std::string& bytes)
                 {
+                    const std::string path = options.file(nameOf(bytes));
                     std::ofstream(path, std::ios::binary) << bytes;
                     return tryFile(path);
                 });

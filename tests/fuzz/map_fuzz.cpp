@@ -1,14 +1,19 @@
-// Damaged .earth maps, and damaged heads of rasters (VRT, AAIGrid, GeoTIFF), through our readers:
-// whatever comes in, what comes out is an error that names the file, or terrain of finite heights.
-// Plain mutation, no guidance by coverage; meant for the build with sanitizers.
+// Damaged .earth maps, through the parser and the plugin, and damaged heads of rasters (VRT,
+// AAIGrid, GeoTIFF, ENVI, PDS), through our readers: whatever comes in, what comes out is an error
+// that names the file, or terrain of finite heights. Plain mutation, no guidance by coverage; meant
+// for the build with sanitizers.
 // Usage: map_fuzz [--seed N] [--runs N | --seconds N] [--keep FOLDER]
-// The file at hand is FOLDER/input.*, so it is there after a crash.
+// The file at hand is FOLDER/input.earth, .dat or .hdr, so it is there after a crash.
 #include "Mutation.h"
 #include "io/EarthFile.h"
 #include "io/GdalErrors.h"
 #include "io/MapReader.h"
+#include "osgdb/Register.h"
 
+#include <cpl_conv.h>
 #include <gdal_priv.h>
+#include <osg/Notify>
+#include <osgDB/Registry>
 
 #include <cmath>
 #include <memory>
@@ -50,8 +55,47 @@ std::string virtualRaster()
 </VRTRasterBand></VRTDataset>)";
 }
 
-/// With unit, scale, nodata, CRS and a palette or a mask.
-std::string geoTiff(const std::string& path, GDALDataType type, const char* compression)
+/// A header of ENVI; its pixels are FOLDER/input.img, 60 bytes.
+std::string enviHeader()
+{
+    return "ENVI\ndescription = {heights}\nsamples = 6\nlines = 5\nbands = 1\nheader offset = 0\n"
+           "file type = ENVI Standard\ndata type = 2\ninterleave = bsq\nbyte order = 0\n"
+           "map info = {UTM, 1, 1, 500000, 5000000, 30, 30, 33, North, WGS-84}\n"
+           "data ignore value = -9999\nband names = {heights}\n";
+}
+
+/// A label of PDS 3, and its pixels.
+std::string planetaryImage()
+{
+    std::string text =
+        "PDS_VERSION_ID = PDS3\r\nRECORD_TYPE = FIXED_LENGTH\r\nRECORD_BYTES = 12\r\n"
+        "^IMAGE = 101\r\nOBJECT = IMAGE\r\n LINES = 5\r\n LINE_SAMPLES = 6\r\n"
+        " SAMPLE_TYPE = LSB_INTEGER\r\n SAMPLE_BITS = 16\r\n UNIT = METER\r\n"
+        " SCALING_FACTOR = 0.5\r\n OFFSET = 1737400\r\n MISSING_CONSTANT = -32768\r\n"
+        "END_OBJECT = IMAGE\r\nOBJECT = IMAGE_MAP_PROJECTION\r\n"
+        " MAP_PROJECTION_TYPE = \"SIMPLE CYLINDRICAL\"\r\n TARGET_NAME = MOON\r\n"
+        " A_AXIS_RADIUS = 1737.4 <KM>\r\n B_AXIS_RADIUS = 1737.4 <KM>\r\n"
+        " C_AXIS_RADIUS = 1737.4 <KM>\r\n CENTER_LATITUDE = 0 <DEG>\r\n"
+        " CENTER_LONGITUDE = 0 <DEG>\r\n MAP_RESOLUTION = 4 <PIX/DEG>\r\n"
+        " MAP_SCALE = 7.58 <KM/PIX>\r\n LINE_PROJECTION_OFFSET = 2.5\r\n"
+        " SAMPLE_PROJECTION_OFFSET = 3\r\nEND_OBJECT = IMAGE_MAP_PROJECTION\r\nEND\r\n";
+    require(text.size() <= 1200, "a label of more than 100 records");
+    text.resize(1200, ' ');
+    for (char i = 0; i < 30; ++i)
+        text += {i, '\0'};
+    return text;
+}
+
+enum class Beside
+{
+    Nothing,
+    Palette,
+    Mask
+};
+
+/// With unit, scale, nodata and CRS.
+std::string geoTiff(const std::string& path, GDALDataType type, const char* compression,
+                    Beside beside = Beside::Nothing)
 {
     const char* options[] = {compression, nullptr};
     GDALDriver& driver = *GetGDALDriverManager()->GetDriverByName("GTiff");
@@ -70,9 +114,21 @@ std::string geoTiff(const std::string& path, GDALDataType type, const char* comp
         std::vector<float> values(12 * 9);
         for (std::size_t i = 0; i < values.size(); ++i)
             values[i] = static_cast<float>(i % 13 * 10);
+        if (beside == Beside::Palette)
+        {
+            GDALColorTable palette;
+            const GDALColorEntry green = {50, 200, 100, 255};
+            palette.SetColorEntry(10, &green);
+            band.SetColorTable(&palette);
+        }
         require(band.RasterIO(GF_Write, 0, 0, 12, 9, values.data(), 12, 9, GDT_Float32, 0, 0,
                               nullptr) == CE_None,
                 "no GeoTIFF");
+        if (beside == Beside::Mask)
+            require(band.CreateMaskBand(GMF_PER_DATASET) == CE_None &&
+                        band.GetMaskBand()->RasterIO(GF_Write, 0, 0, 12, 9, values.data(), 12, 9,
+                                                     GDT_Float32, 0, 0, nullptr) == CE_None,
+                    "no mask");
     }
     return bytesOf(path);
 }
@@ -82,8 +138,12 @@ bool namesFile(const Error& error, const std::string& path)
     return error.message.find(path) != std::string::npos;
 }
 
-bool tryMap(const std::string& bytes)
+bool tryMap(const std::string& bytes, const std::string& path)
 {
+    osgDB::ReaderWriter::ReadResult scene =
+        osgDB::Registry::instance()->getReaderWriterForExtension("earth")->readNode(path, nullptr);
+    require(scene.validNode() || scene.message().find(path) != std::string::npos,
+            "an error of the plugin without its file");
     const Result<EarthMap> map = parseEarth(bytes, "input.earth");
     if (!map)
     {
@@ -93,7 +153,7 @@ bool tryMap(const std::string& bytes)
     require(!map->elevations.empty() || !map->images.empty(), "a map of nothing");
     require(complaint(map->light.sky).empty() && complaint(map->light.settings).empty(),
             "light out of its range");
-    return true;
+    return scene.validNode();
 }
 
 bool tryRaster(const std::string& path)
@@ -134,21 +194,38 @@ bool tryRaster(const std::string& path)
 int main(int count, char** arguments)
 {
     const FuzzOptions options(count, arguments, "map_fuzz");
-    const std::string path = options.file("input.dat"); // GDAL goes by what is in a file
+    GDALAllRegister();
+    CPLSetConfigOption("GDAL_PAM_ENABLED", "NO"); // no files beside the one at hand
+    CPLSetConfigOption("GDAL_TIFF_INTERNAL_MASK", "YES");
+    osg::setNotifyLevel(osg::ALWAYS);
+    registerReader();
     const GdalErrors quiet;
     std::vector<std::string> files = maps();
-    files.push_back(asciiGrid());
-    files.push_back(virtualRaster());
+    for (const std::string& file : {asciiGrid(), virtualRaster(), enviHeader(), planetaryImage()})
+        files.push_back(file);
+    const std::string path = options.file("input.dat"); // GDAL goes by what is in a file
     for (const GDALDataType type : {GDT_Byte, GDT_Int16, GDT_Float32})
         for (const char* compression : {"COMPRESS=NONE", "COMPRESS=DEFLATE", "COMPRESS=LZW"})
             files.push_back(geoTiff(path, type, compression));
+    files.push_back(geoTiff(path, GDT_Byte, "COMPRESS=NONE", Beside::Palette));
+    files.push_back(geoTiff(path, GDT_Int16, "COMPRESS=NONE", Beside::Mask));
+    // What whole maps and the header name.
+    for (const char* name : {"input.tif", "a.tif"})
+        geoTiff(options.file(name), GDT_Float32, "COMPRESS=NONE");
+    geoTiff(options.file("c.tif"), GDT_Byte, "COMPRESS=NONE", Beside::Palette);
+    std::ofstream(options.file("input.img"), std::ios::binary) << std::string(60, '\1');
     return fuzz(options, files,
                 [&](const std::string& bytes)
                 {
-                    std::ofstream(path, std::ios::binary) << bytes;
                     const std::size_t first = bytes.find_first_not_of(" \r\n\t");
                     const bool isXml = first != std::string::npos && bytes[first] == '<';
                     const bool isMap = isXml && bytes.find("VRTDataset") == std::string::npos;
-                    return isMap ? tryMap(bytes) : tryRaster(path);
+                    const bool isHeader = bytes.rfind("ENVI", 0) == 0;
+                    const std::string file = isMap      ? options.file("input.earth")
+                                             : isHeader ? options.file("input.hdr")
+                                                        : path;
+                    std::ofstream(file, std::ios::binary) << bytes;
+                    return isMap ? tryMap(bytes, file)
+                                 : tryRaster(isHeader ? options.file("input.img") : file);
                 });
 }
