@@ -39,6 +39,8 @@ Status describeTerrain(const Options& options, Report& report)
         return Nothing{};
     }
     const Result<DemInfo> info = describeDem(options.input, options.read);
+    if (Status known = checkProj(options.input, info); !known)
+        return known;
     if (!info)
         return info.error();
     for (const std::string& note : info->notes)

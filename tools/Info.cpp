@@ -174,6 +174,8 @@ Status run(const Options& options)
     if (!options.input.empty())
     {
         const Result<DemInfo> info = describeDem(options.input, options.read);
+        if (Status known = checkProj(options.input, info); !known)
+            return known;
         if (!info)
             return info.error();
         printRaster(options.input, *info);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/SettingsTable.h"
+#include "io/DemReader.h"
 
 #include <osgTerrainLight/SkyLight.h>
 #include <osgTerrainLight/SunPosition.h>
@@ -28,6 +29,8 @@ void addSetting(Metadata& metadata, const std::string& name, const Owner& owner)
         c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
     add(metadata, key, setting.textOf(owner));
 }
+/// What was asked for of the input: its part, cell size, unit and factor.
+void addReading(Metadata& metadata, const DemReadOptions& read);
 void addSun(Metadata& metadata, const SkyLight& sky);
 void addAreaLights(Metadata& metadata, const SkyLight& sky);
 

@@ -305,10 +305,11 @@ void addBodyRadius(CLI::App& app, LightingSettings& settings, BodyRadius& said)
         // Mean radii; those of the working group of the IAU.
         static const std::pair<const char*, double> bodies[] = {
             {"earth", 6371000.0}, {"moon", 1737400.0}, {"mars", 3389500.0}};
-        said = given == "auto" ? BodyRadius::OfCrs : BodyRadius::Given;
-        std::optional<double> radius = given == "auto" ? 0.0 : number(given);
+        const bool ofCrs = EQUAL(given.c_str(), "auto");
+        said = ofCrs ? BodyRadius::OfCrs : BodyRadius::Given;
+        std::optional<double> radius = ofCrs ? 0.0 : number(given);
         for (const auto& [name, metres] : bodies)
-            if (given == name)
+            if (EQUAL(given.c_str(), name))
                 radius = metres;
         if (!radius)
             throw CLI::ValidationError("--body-radius", "'" + given +

@@ -178,6 +178,7 @@ Metadata describe(const std::string& mode, const LitDem& lit, bool azimuths)
     addSetting(metadata, "quality", lit.settings);
     if (lit.settings.bodyRadius > 0.0)
         addSetting(metadata, "body-radius", lit.settings);
+    addReading(metadata, lit.read);
     if (lit.choice)
         add(metadata, "ERROR_BOUND", text(lit.choice->error));
     return metadata;
@@ -319,6 +320,7 @@ Status readTile(const RasterOptions& options, int bands, LitDem& lit, std::size_
     if (!dem)
         return dem.error();
     lit.dem = std::move(*dem);
+    lit.read = options.read;
     lit.settings = options.settings;
     lit.settings.bodyRadius = *radius;
     if (options.albedoFile.empty())

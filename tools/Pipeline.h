@@ -36,6 +36,7 @@ Status checkFits(const Gpu& gpu, int width, int height);
 struct LitDem
 {
     DemFile dem;
+    DemReadOptions read; ///< how the DEM was read
     Gpu gpu;
     osg::ref_ptr<TileLight> lighting;
     LightingSettings settings;

@@ -2,6 +2,8 @@
 #include "RenderCamera.h"
 #include "SceneFiles.h"
 
+#include "io/GdalErrors.h"
+#include "io/InputFiles.h"
 #include "io/LightParameters.h"
 #include "osgdb/Register.h"
 
@@ -52,7 +54,7 @@ bool hasSuffix(const std::string& scene)
 /// A map or a raster, without the suffix.
 bool isMapOrRaster(const std::string& name)
 {
-    GDALAllRegister();
+    const GdalErrors quiet;
     return EQUAL(CPLGetExtension(name.c_str()), "earth") ||
            GDALIdentifyDriver(name.c_str(), nullptr);
 }
@@ -250,6 +252,8 @@ Status run(const CLI::App& app, Options options)
     if (Status read = readSky(app, options.sky, options.skyFile, true); !read)
         return read;
     refuseIdle(app, idleSettings(options.settings)); // the scene says the rest
+    if (const std::string wrong = complaintOfFile(options.scene); !wrong.empty())
+        return Error{ErrorCode::Invalid, options.scene + ": " + wrong};
     refuseInputs({options.scene, options.skyFile}, options.output);
     if (Status known = checkProj(options); !known)
         return known;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <csignal>
 
+#include <sys/stat.h>
+
 using namespace osgTerrainLight;
 using namespace osgTerrainLight::testing;
 
@@ -225,6 +227,45 @@ TEST_F(GlFailure, ZippedInput)
                                "/N10W110.hgt o.tif -srcwin 0 0 64 64" + quick);
     EXPECT_EQ(result.status, 0) << result.err;
     EXPECT_EQ(ReadRaster(path("o.tif")).width, 64);
+}
+
+// An input gets no file beside it.
+TEST_F(GlFailure, GzippedInputStaysAlone)
+{
+    writeRaster("d.tif", 16, 16, std::vector<float>(256, 5.0f), {0, 10, 0, 160, 0, -10});
+    const std::string plain = contentOf(path("d.tif"));
+    VSILFILE* packed = VSIFOpenL(("/vsigzip/" + path("d.tif.gz")).c_str(), "wb");
+    ASSERT_NE(packed, nullptr);
+    EXPECT_EQ(VSIFWriteL(plain.data(), 1, plain.size(), packed), plain.size());
+    VSIFCloseL(packed);
+    std::filesystem::remove(path("d.tif"));
+    const ToolRun result = run("svf /vsigzip/d.tif.gz o.tif" + quick);
+    ASSERT_EQ(result.status, 0) << result.err;
+    run("render /vsigzip/d.tif.gz o.png --size 16 -q");
+    run("shade /vsigzip/d.tif.gz p.tif --sky /vsigzip/d.tif.gz" + quick);
+    for (const std::string& name : left())
+        EXPECT_EQ(name.find(".properties"), std::string::npos) << name;
+}
+
+// A pipe that nobody writes into would be waited for without end.
+TEST_F(Failure, PipesAreRefused)
+{
+    ASSERT_EQ(mkfifo(path("p").c_str(), 0600), 0);
+    ASSERT_EQ(mkfifo(path("p.earth").c_str(), 0600), 0);
+    ASSERT_EQ(mkfifo(path("p.osgt").c_str(), 0600), 0);
+    for (const std::string& command :
+         {std::string("svf p o.tif"), std::string("info p"), std::string("render p o.png"),
+          std::string("render p.earth o.png"), std::string("render p.osgt o.png"),
+          "shade " + jacksboro + " o.tif --sky p",
+          "shade " + jacksboro + " o.tif --bounces 1 --albedo p"})
+    {
+        const ToolRun result = run(command, ":", "timeout 60");
+        if (result.complains("OpenGL"))
+            continue;
+        EXPECT_EQ(result.status, 1) << command;
+        EXPECT_TRUE(result.complains(": is a device or a pipe; needed a file")) << result.err;
+        EXPECT_EQ(left(), (std::set<std::string>{"p", "p.earth", "p.osgt"}));
+    }
 }
 
 TEST_F(GlFailure, NoPictureWithoutTheLight)

@@ -105,8 +105,9 @@ std::string outOf(const char* what, int value, int first, int last)
 std::string scanDate(Scanner& scan, std::int64_t& days)
 {
     int year = 0, month = 0, day = 0;
-    if (!scan.number(4, year) || !scan.one("-") || !scan.number(2, month) || !scan.one("-") ||
-        !scan.number(2, day) || isDigit(scan.next()))
+    bool parted = false; // 2024-06-21, not 20240621
+    if (!scan.number(4, year) || (parted = scan.one("-"), !scan.number(2, month)) ||
+        scan.one("-") != parted || !scan.number(2, day) || isDigit(scan.next()))
         return "it does not begin with a date, such as 2024-06-21";
     if (year < firstYear || year > lastYear)
         return outOf("year", year, firstYear, lastYear);
@@ -123,12 +124,15 @@ std::string scanDate(Scanner& scan, std::int64_t& days)
 std::string scanClock(Scanner& scan, milliseconds& time)
 {
     int hour = 0, minute = 0, second = 0, millisecond = 0;
-    if (!scan.number(2, hour) || !scan.one(":") || !scan.number(2, minute) || isDigit(scan.next()))
+    bool parted = false; // 12:00:30, not 120030
+    if (!scan.number(2, hour) || (parted = scan.one(":"), !scan.number(2, minute)) ||
+        (parted && isDigit(scan.next())))
         return "the time of day does not begin with hours and minutes of two digits, such as "
                "09:30";
-    if (scan.one(":") && (!scan.number(2, second) || isDigit(scan.next())))
+    const bool hasSeconds = parted ? scan.one(":") : isDigit(scan.next());
+    if (hasSeconds && (!scan.number(2, second) || isDigit(scan.next())))
         return "seconds need two digits";
-    if (scan.one(".,") && !scan.fraction(millisecond))
+    if (hasSeconds && scan.one(".,") && !scan.fraction(millisecond))
         return "the fraction of a second has no digits";
     if (hour > 24)
         return outOf("hour", hour, 0, 24);
@@ -142,30 +146,38 @@ std::string scanClock(Scanner& scan, milliseconds& time)
     return {};
 }
 
-/// What is wrong, or empty; how much the zone is before UTC.
-std::string scanZone(Scanner& scan, minutes& zone)
+/// What is wrong, or empty; how much the zone is before UTC. shortHour: whether its hour may have
+/// one digit, as in UTC+2.
+std::string scanOffset(Scanner& scan, bool shortHour, minutes& zone)
 {
     const bool behind = scan.next() == '-';
-    if (scan.one("+-"))
-    {
-        int hour = 0, minute = 0;
-        if (!scan.number(2, hour))
-            return "the zone needs hours of two digits, such as +02:00";
-        if ((scan.one(":") || isDigit(scan.next())) && !scan.number(2, minute))
-            return "the zone needs minutes of two digits, such as +05:30";
-        if (hour > 23)
-            return outOf("the zone's hour", hour, 0, 23);
-        if (minute > 59)
-            return outOf("the zone's minute", minute, 0, 59);
-        zone = (behind ? -1 : 1) * (hours(hour) + minutes(minute));
+    if (!scan.one("+-"))
         return {};
-    }
+    int hour = 0, minute = 0;
+    if (!scan.number(2, hour) && !(shortHour && scan.number(1, hour)))
+        return "the zone needs hours of two digits, such as +02:00";
+    if ((scan.one(":") || isDigit(scan.next())) && !scan.number(2, minute))
+        return "the zone needs minutes of two digits, such as +05:30";
+    if (hour > 23)
+        return outOf("the zone's hour", hour, 0, 23);
+    if (minute > 59)
+        return outOf("the zone's minute", minute, 0, 59);
+    zone = (behind ? -1 : 1) * (hours(hour) + minutes(minute));
+    return {};
+}
+
+/// As scanOffset(), with the names that stand for UTC.
+std::string scanZone(Scanner& scan, minutes& zone)
+{
     const std::string name = scan.word();
     if (name == "am" || name == "pm")
         return "hours count from 0 to 24, without am and pm";
-    if (!name.empty() && name != "z" && name != "utc" && name != "gmt")
+    const bool universal = name == "utc" || name == "gmt" || name == "ut";
+    if (!name.empty() && name != "z" && !universal)
         return "zones are known by their offset alone, such as +02:00, not by name";
-    return {};
+    if (universal)
+        scan.blanks();
+    return name == "z" ? std::string() : scanOffset(scan, universal, zone);
 }
 
 /// What is wrong, or empty and the time.

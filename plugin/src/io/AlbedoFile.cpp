@@ -1,6 +1,7 @@
 #include "io/AlbedoFile.h"
 
 #include "io/GdalErrors.h"
+#include "io/InputFiles.h"
 
 #include <cpl_string.h>
 #include <gdal_priv.h>
@@ -21,6 +22,8 @@ float linearOfSrgb(float encoded)
 
 Result<Raster<Rgb>> readAlbedo(const std::string& path, const DemInfo& dem)
 {
+    if (const std::string wrong = complaintOfFile(path); !wrong.empty())
+        return Error{ErrorCode::Invalid, path + ": " + wrong};
     GdalErrors errors;
     const GDALDatasetUniquePtr dataset(
         GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));

@@ -1,5 +1,6 @@
 #include "io/EarthFile.h"
 
+#include "io/InputFiles.h"
 #include "io/ReadOption.h"
 
 #include <pugixml.hpp>
@@ -263,6 +264,8 @@ Result<EarthMap> parseEarth(const std::string& text, const std::string& source)
 
 Result<EarthMap> readEarthFile(const std::string& path)
 {
+    if (const std::string wrong = complaintOfFile(path); !wrong.empty())
+        return Error{ErrorCode::Invalid, path + ": " + wrong};
     std::ifstream file(path, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
     if (file.bad() || !file.is_open())

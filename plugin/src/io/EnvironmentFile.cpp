@@ -2,6 +2,7 @@
 
 #include "io/ExrEnvironment.h"
 #include "io/ExrGuard.h"
+#include "io/InputFiles.h"
 #include "io/RadianceFile.h"
 #include "io/RasterEnvironment.h"
 
@@ -76,6 +77,8 @@ bool exists(const std::string& path)
 // ourselves, by its content or its name, is read so.
 Result<EnvironmentPicture> readEnvironmentFile(const std::string& path, std::size_t maxPixels)
 {
+    if (const std::string wrong = complaintOfFile(path); !wrong.empty())
+        return Error{ErrorCode::Invalid, path + ": " + wrong};
     std::array<char, 4> start = {};
     std::ifstream(path, std::ios::binary).read(start.data(), start.size());
     std::string extension = std::filesystem::path(path).extension().string();

@@ -1,5 +1,6 @@
 #include "io/GdalErrors.h"
 
+#include <cpl_conv.h>
 #include <cpl_error.h>
 #include <gdal.h>
 
@@ -9,6 +10,8 @@ namespace osgTerrainLight
 {
 namespace
 {
+constexpr const char* propertiesOption = "CPL_VSIL_GZIP_WRITE_PROPERTIES";
+
 void CPL_STDCALL keepError(CPLErr level, CPLErrorNum, const char* message)
 {
     if (auto* errors = static_cast<GdalErrors*>(CPLGetErrorHandlerUserData()))
@@ -16,10 +19,12 @@ void CPL_STDCALL keepError(CPLErr level, CPLErrorNum, const char* message)
 }
 } // namespace
 
-GdalErrors::GdalErrors()
+GdalErrors::GdalErrors() : _keepsProperties(CPLGetConfigOption(propertiesOption, nullptr))
 {
     static std::once_flag once;
     std::call_once(once, [] { GDALAllRegister(); });
+    if (!_keepsProperties)
+        CPLSetThreadLocalConfigOption(propertiesOption, "NO");
     CPLPushErrorHandlerEx(keepError, this);
     // CPL_DEBUG stays the user's to switch on.
     CPLSetCurrentErrorHandlerCatchDebug(FALSE);
@@ -28,6 +33,8 @@ GdalErrors::GdalErrors()
 GdalErrors::~GdalErrors()
 {
     CPLPopErrorHandler();
+    if (!_keepsProperties)
+        CPLSetThreadLocalConfigOption(propertiesOption, nullptr);
 }
 
 void GdalErrors::add(bool failure, const char* message)

@@ -6,7 +6,8 @@
 namespace osgTerrainLight
 {
 
-/// While it lives, GDAL's errors and warnings on this thread are kept here and off stderr.
+/// While it lives, GDAL's errors and warnings on this thread are kept here and off stderr, and it
+/// writes no .properties file beside an input in /vsigzip/, unless it is asked to.
 /// Registers GDAL's drivers on first use.
 class GdalErrors
 {
@@ -31,6 +32,7 @@ public:
 private:
     std::string _firstFailure, _lastFailure;
     std::vector<std::string> _warnings;
+    bool _keepsProperties; ///< as they were asked for
 };
 
 } // namespace osgTerrainLight

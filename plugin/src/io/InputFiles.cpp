@@ -31,7 +31,7 @@ class Collector
 public:
     void add(const std::string& input)
     {
-        if (input.empty() || !_seen.insert(input).second)
+        if (input.empty() || !_seen.insert(input).second || !complaintOfFile(input).empty())
             return;
         addNamed(input);
         const std::string extension = CPLGetExtension(input.c_str());
@@ -162,6 +162,15 @@ std::vector<std::string> filesOf(const std::string& input)
         collector.add(name);
     }
     return collector.files;
+}
+
+std::string complaintOfFile(const std::string& path)
+{
+    std::error_code failure;
+    const fs::file_status status = fs::status(path, failure);
+    return !fs::exists(status) || fs::is_regular_file(status) || fs::is_directory(status)
+               ? std::string()
+               : "is a device or a pipe; needed a file";
 }
 
 std::string sameFile(const std::vector<std::string>& inputs, const std::string& output)

@@ -14,6 +14,9 @@ namespace osgTerrainLight
 /// not exist are not listed.
 std::vector<std::string> filesOf(const std::string& input);
 
+/// Empty, or why a path cannot be read as a file: a pipe would be waited for, and has no size.
+std::string complaintOfFile(const std::string& path);
+
 /// The first of `inputs` that is the same file (device and inode) as `output`; empty: none.
 std::string sameFile(const std::vector<std::string>& inputs, const std::string& output);
 

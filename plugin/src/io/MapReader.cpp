@@ -2,6 +2,7 @@
 
 #include "io/GdalErrors.h"
 #include "io/GroundSpacing.h"
+#include "io/InputFiles.h"
 
 #include <cpl_string.h>
 #include <gdal_priv.h>
@@ -25,6 +26,8 @@ std::string number(double value)
 
 Result<GDALDatasetUniquePtr> openPicture(const std::string& path, const GdalErrors& errors)
 {
+    if (const std::string wrong = complaintOfFile(path); !wrong.empty())
+        return Error{ErrorCode::Invalid, path + ": " + wrong};
     GDALDatasetUniquePtr picture(
         GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
     VSIStatBufL stat;

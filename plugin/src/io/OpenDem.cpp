@@ -1,6 +1,7 @@
 #include "io/OpenDem.h"
 
 #include "io/GdalErrors.h"
+#include "io/InputFiles.h"
 
 #include <cpl_conv.h>
 #include <cpl_string.h>
@@ -49,6 +50,8 @@ Error openingError(const std::string& path, const GdalErrors& errors)
 std::optional<Error> openBand(const std::string& path, const DemReadOptions& options, OpenDem& dem,
                               const GdalErrors& errors)
 {
+    if (const std::string wrong = complaintOfFile(path); !wrong.empty())
+        return Error{ErrorCode::Invalid, path + ": " + wrong};
     dem.dataset.reset(
         GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
     if (!dem.dataset)
