@@ -609,6 +609,13 @@ TEST(DemReader, PlacesThatAreNoneAreRefused)
     ASSERT_FALSE(read);
     EXPECT_NE(read.error().message.find("only ground control points; gdalwarp"), std::string::npos)
         << read.error().message;
+    DemReadOptions options;
+    options.cellSize = 10.0;
+    const Result<DemFile> cells = readDem(path, options);
+    ASSERT_TRUE(cells) << cells.error().message;
+    EXPECT_TRUE(mentions(cells->notes, "ground control points, and the place that they give, are "
+                                       "not used"));
+    EXPECT_FALSE(mentions(readDem(raster.write(), options)->notes, "ground control"));
 }
 
 TEST(DemReader, Poles)

@@ -90,6 +90,10 @@ TEST(GroundSpacing, ConformalMapsAreExact)
     // Transverse, 1000 km from the central meridian: eq. 8-4 in terms of x.
     expectConformal(sphere("+proj=tmerc +lat_0=0 +lon_0=0 +k=1"), 1e6, 3e6, 800.0,
                     [](double x, double) { return std::cosh(x / radius); });
+    // The same with the numbers of UTM's zone 31, which PROJ takes for UTM.
+    expectConformal(
+        sphere("+proj=tmerc +lat_0=0 +lon_0=3 +k=0.9996 +x_0=500000"), 1.5e6, 3e6, 800.0,
+        [](double x, double) { return 0.9996 * std::cosh((x - 5e5) / (0.9996 * radius)); });
     // Polar stereographic, 3000 km from the pole: k = 1 + (r/2R)², eqs 21-4 and 21-14.
     expectConformal(sphere("+proj=stere +lat_0=-90 +k=1"), 1.8e6, 2.4e6, 700.0,
                     [](double x, double y)

@@ -50,6 +50,13 @@ TEST(RasterBand, AUnitOfTheBandGoesBeforeTheMaps)
         const DemFile file = expectHeights(raster, {metres, 2 * metres, 3 * metres, 4 * metres});
         EXPECT_TRUE(file.notes.empty()) << file.notes.front();
     }
+    for (const auto& [name, metres] :
+         std::vector<std::pair<std::string, double>>{{"Feet (US survey)", surveyFoot},
+                                                     {"feet US", surveyFoot},
+                                                     {"U.S. survey ft", surveyFoot},
+                                                     {"ft (international)", foot},
+                                                     {"'", foot}})
+        EXPECT_EQ(metresPerHeightUnit(name), metres) << name;
     raster.unit = "furlongs of old";
     EXPECT_NE(noteWith(expectHeights(raster, {1, 2, 3}), "is not known").find("as metres"),
               std::string::npos);
@@ -169,6 +176,63 @@ TEST(RasterBand, AnAxisThatPointsDownMakesDepths)
     raster = onMap("EPSG:32618+5715");
     raster.metadata = {{"positive", "up"}}; // the band's own word holds
     expectHeights(raster, {1, 2, 3});
+}
+
+// The standard names of the climate and forecast conventions whose values count downwards.
+TEST(RasterBand, AStandardNameOfDepthsMakesDepths)
+{
+    MemoryRaster raster;
+    for (const char* name : {"depth", "sea_floor_depth_below_sea_surface", "depth_below_geoid",
+                             "sea_floor_depth_below_mean_sea_level"})
+    {
+        raster.metadata = {{"standard_name", name}};
+        EXPECT_FALSE(noteWith(expectHeights(raster, {-1, -2, -3}), "points down").empty()) << name;
+    }
+    raster.metadata.push_back({"positive", "up"});
+    expectHeights(raster, {1, 2, 3});
+    raster.metadata = {{"standard_name", "height_above_mean_sea_level"}};
+    EXPECT_TRUE(expectHeights(raster, {1, 2, 3}).notes.empty());
+}
+
+TEST(RasterBand, AWordForNoUnitIsNone)
+{
+    MemoryRaster feet = onMap("EPSG:2263");
+    MemoryRaster metres;
+    for (const char* word : {"unknown", "1", "none", "DN", "Unspecified", ""})
+    {
+        SCOPED_TRACE(word);
+        feet.unit = metres.unit = word;
+        EXPECT_FALSE(
+            noteWith(expectHeights(feet, {surveyFoot, 2 * surveyFoot}), "no height unit").empty());
+        EXPECT_TRUE(expectHeights(metres, {1, 2, 3}).notes.empty());
+    }
+}
+
+TEST(RasterBand, TheItemUnitsIsAUnit)
+{
+    MemoryRaster raster;
+    raster.metadata = {{"units", "km"}};
+    EXPECT_TRUE(expectHeights(raster, {1000, 2000, 3000}).notes.empty());
+    raster.unit = "ft"; // goes first
+    expectHeights(raster, {foot, 2 * foot});
+    raster.unit = "";
+    raster.metadata = {{"units", "1"}};
+    EXPECT_TRUE(expectHeights(raster, {1, 2, 3}).notes.empty());
+}
+
+TEST(RasterBand, CategoriesAreTold)
+{
+    GDALAllRegister();
+    const GDALDatasetUniquePtr dataset(
+        GetGDALDriverManager()->GetDriverByName("MEM")->Create("", 2, 2, 1, GDT_Byte, nullptr));
+    CPLStringList names;
+    names.AddString("water");
+    names.AddString("wood");
+    dataset->GetRasterBand(1)->SetCategoryNames(names.List());
+    std::vector<std::string> notes;
+    ASSERT_TRUE(readBandFacts("a", *dataset, 1, "", notes));
+    ASSERT_EQ(notes.size(), 1u);
+    EXPECT_NE(notes[0].find("names of categories"), std::string::npos);
 }
 
 // Neighbours at the end of a type's range: 1 m apart after the scale, about 0 after the offset. All
@@ -396,6 +460,39 @@ TEST(RasterBand, TheCoordinateEpochIsKept)
     raster = onMap("EPSG:7849"); // GDA2020, zone 49
     raster.epoch = 2020.25;
     EXPECT_EQ(readDem(raster.write())->frame.coordinateEpoch, 2020.25);
+}
+
+// 1737.4 is the Moon's radius in kilometres. Three terrains of 1737 m that are none: not on the
+// Moon, in metres by their unit, and with a height that no radius has.
+TEST(RasterBand, RadiiInKilometresWithoutAUnit)
+{
+    MemoryRaster raster;
+    raster.crs = "+proj=eqc +R=1737400 +units=m";
+    raster.transform = {0, 100, 0, 4000, 0, -100};
+    raster.type = GDT_Float64;
+    raster.values = {1737.4, 1737.5, 1737.25, 1730, 1747, 1737.4};
+    const DemFile file = expectHeights(raster, {0, 100, -150, -7400, 9600, 0});
+    EXPECT_NE(noteWith(file, "kilometres").find("1737400 m come off"), std::string::npos);
+    raster.unit = "m";
+    EXPECT_TRUE(expectHeights(raster, raster.values).notes.empty());
+    raster.unit = "";
+    raster.values[3] = 800;
+    EXPECT_TRUE(expectHeights(raster, raster.values).notes.empty());
+    raster = MemoryRaster();
+    raster.values.assign(6, 6378.0); // the Earth's mountains are as high as its radius in km
+    EXPECT_TRUE(expectHeights(raster, raster.values).notes.empty());
+}
+
+TEST(RasterBand, VoidsAmongRadiiAreToldAsSuch)
+{
+    MemoryRaster raster;
+    raster.crs = "+proj=eqc +R=1737400 +units=m";
+    raster.transform = {0, 100, 0, 4000, 0, -100};
+    raster.values = {1737400, 1737500, 0, 1737400, 1737400, 0};
+    const DemFile file = expectHeights(raster, {0, 100, missing, 0, 0, missing});
+    EXPECT_EQ(noteWith(file, "taken as void"),
+              "2 posts that are no radii of the body, half to one and a half of its own: taken as "
+              "void");
 }
 
 TEST(RasterBand, RadiiBecomeHeightsOfTheirBody)

@@ -49,7 +49,7 @@ public:
                  const GdalErrors& errors)
         : _path(path), _options(options), _dem(dem), _errors(errors), _info(dem.info),
           _band(dem.band), _maskBand(dem.band->GetMaskBand()), _window(dem.info.window),
-          _customs(dem.info), _survey(dem.info.bodyRadius)
+          _customs(dem.info), _survey(dem.info.bodyRadius, !dem.info.heightUnit.empty())
     {
         if (_info.alphaBand != 0)
             _maskBand = dem.dataset->GetRasterBand(_info.alphaBand);
@@ -133,7 +133,7 @@ private:
 
     double heightOf(double metres) const
     {
-        return (metres - _survey.radius()) * _options.heightFactor;
+        return _survey.heightOf(metres) * _options.heightFactor;
     }
 
     static bool isBeyondPole(const GroundSpacing& ground, const RasterFrame& frame, int fileRow)
@@ -255,9 +255,17 @@ private:
         if (_survey.areRadii())
             file.notes.push_back("heights are radii of the body: its " + number(_survey.radius()) +
                                  " m come off");
+        if (_survey.areKilometres())
+            file.notes.push_back("heights are radii of the body in kilometres: its " +
+                                 number(_survey.radius()) +
+                                 " m come off; --unit m tells of metres");
         if (_survey.voids() > 0)
-            file.notes.push_back(posts(_survey.voids()) +
-                                 " without a finite height within ±1e6 m: taken as void");
+            file.notes.push_back(
+                posts(_survey.voids()) +
+                (_survey.areRadii()
+                     ? " that are no radii of the body, half to one and a half of its own"
+                     : " without a finite height within ±1e6 m") +
+                ": taken as void");
         const std::vector<std::string> customs = _customs.notes();
         file.notes.insert(file.notes.end(), customs.begin(), customs.end());
         // See HeightFactors.

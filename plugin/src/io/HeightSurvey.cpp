@@ -18,6 +18,14 @@ void HeightRange::add(double value)
     ++count;
 }
 
+bool HeightSurvey::areKilometres() const
+{
+    constexpr double earthRadius = 6378137.0;
+    const double kilometres = 1.0e-3 * _bodyRadius;
+    return !_knownUnit && _heights.count > 0 && std::abs(_bodyRadius / earthRadius - 1.0) > 0.01 &&
+           _heights.lowest >= 0.99 * kilometres && _heights.highest <= 1.01 * kilometres;
+}
+
 void HeightSurvey::add(double metres)
 {
     ++_count;

@@ -19,13 +19,18 @@ struct HeightRange
 class HeightSurvey
 {
 public:
-    /// bodyRadius [m]: 0 where the CRS has none.
-    explicit HeightSurvey(double bodyRadius) : _bodyRadius(bodyRadius) {}
+    /// bodyRadius [m]: 0 where the CRS has none. knownUnit: that of the values was said.
+    HeightSurvey(double bodyRadius, bool knownUnit) : _bodyRadius(bodyRadius), _knownUnit(knownUnit)
+    {
+    }
 
     /// A value [m] that is not void by nodata, mask or custom.
     void add(double metres);
 
     bool areRadii() const { return _radii.count > _count / 2; }
+    /// Taken as metres, since no unit was said: all lie within 1 % of the radius in kilometres, of
+    /// another body than the Earth, whose mountains are as high as that.
+    bool areKilometres() const;
     bool isVoid(double metres) const
     {
         return !(metres >= values().lowest && metres <= values().highest);
@@ -33,12 +38,18 @@ public:
     std::size_t heights() const { return values().count; }
     std::size_t voids() const { return _count - values().count; }
     /// What comes off a value [m].
-    double radius() const { return areRadii() ? _bodyRadius : 0.0; }
+    double radius() const { return areRadii() || areKilometres() ? _bodyRadius : 0.0; }
+    /// Above the radius, where there is one.
+    double heightOf(double metres) const
+    {
+        return (areKilometres() ? 1000.0 * metres : metres) - radius();
+    }
 
 private:
     const HeightRange& values() const { return areRadii() ? _radii : _heights; }
 
     double _bodyRadius;
+    bool _knownUnit;
     std::size_t _count = 0;
     HeightRange _heights, _radii;
 };

@@ -76,6 +76,15 @@ std::optional<MapGround> MapGround::between(const OGRSpatialReference& map,
     ground._geographic = std::make_unique<OGRSpatialReference>(geographic);
     OGRSpatialReference& flat = *ground._map;
     OGRSpatialReference& round = *ground._geographic;
+    // PROJ takes a transverse Mercator map with UTM's numbers for UTM, which it refuses on a
+    // sphere.
+    const char* projection = flat.GetAttrValue("PROJECTION");
+    if (projection && EQUAL(projection, SRS_PT_TRANSVERSE_MERCATOR) &&
+        flat.GetSemiMajor() == flat.GetSemiMinor())
+    {
+        ground._eastOfMap = flat.GetProjParm(SRS_PP_FALSE_EASTING);
+        flat.SetProjParm(SRS_PP_FALSE_EASTING, 0.0);
+    }
     flat.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
     round.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
     ground._toGround.reset(OGRCreateCoordinateTransformation(&flat, &round));
@@ -96,8 +105,9 @@ MapGround::at(const std::vector<std::pair<double, double>>& points) const
 {
     constexpr std::size_t around = 5; // here, west, east, south, north
     std::vector<double> xs, ys;
-    for (const auto& [x, y] : points)
+    for (const auto& [mapX, y] : points)
     {
+        const double x = mapX - _eastOfMap;
         xs.insert(xs.end(), {x, x - _step, x + _step, x, x});
         ys.insert(ys.end(), {y, y, y, y - _step, y + _step});
     }
@@ -167,7 +177,7 @@ std::optional<std::pair<double, double>> MapGround::toMap(double longitude, doub
     if (!transform || !transform->Transform(1, &x, &y, nullptr, &good) || !good ||
         !std::isfinite(x) || !std::isfinite(y))
         return std::nullopt;
-    return std::pair(x, y);
+    return std::pair(x + _eastOfMap, y);
 }
 
 } // namespace osgTerrainLight

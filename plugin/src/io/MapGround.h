@@ -60,6 +60,7 @@ private:
     double _semiMajor = 0.0, _semiMinor = 0.0;
     double _radiansPerUnit = 1.0; ///< of the geographic CRS
     double _step = 0.0;           ///< of a difference [map units]
+    double _eastOfMap = 0.0;      ///< x of the map less x of _map
 };
 
 } // namespace osgTerrainLight

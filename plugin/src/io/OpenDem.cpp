@@ -133,7 +133,11 @@ std::optional<Error> placeFrame(const std::string& path, const DemReadOptions& o
         const double cell = *options.cellSize;
         t = {0.0, cell, 0.0, cell * info.rasterHeight, 0.0, -cell};
         info.notes.push_back("no geotransform: cells of " + number(cell) +
-                             " m as given, first row taken as north");
+                             " m as given, first row taken as north" +
+                             (dem.dataset->GetGCPCount() > 0
+                                  ? "; ground control points, and the place that they give, are "
+                                    "not used"
+                                  : ""));
     }
     else if (options.cellSize)
         info.notes.push_back(

@@ -4,6 +4,7 @@
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdint>
@@ -18,35 +19,44 @@ std::string number(double value)
     return CPLSPrintf("%.10g", value);
 }
 
-std::optional<Error> readType(const std::string& path, GDALRasterBand& band, int index, int count,
-                              BandFacts& facts, std::vector<std::string>& notes)
+std::optional<Error> readType(const std::string& path, GDALRasterBand& band, int index,
+                              PixelFacts& facts)
 {
     const GDALDataType type = band.GetRasterDataType();
-    const std::string place = path + ": band " + std::to_string(index);
     facts.dataType = GDALGetDataTypeName(type);
     if (GDALDataTypeIsComplex(type))
-        return Error{ErrorCode::NotSupported,
-                     place + " holds complex numbers (" + facts.dataType + "); needed heights"};
+        return Error{ErrorCode::NotSupported, path + ": band " + std::to_string(index) +
+                                                  " holds complex numbers (" + facts.dataType +
+                                                  "); needed real ones"};
     const char* pixelType = band.GetMetadataItem("PIXELTYPE", "IMAGE_STRUCTURE");
     facts.signedBytes = type == GDT_Byte && pixelType && EQUAL(pixelType, "SIGNEDBYTE");
     if (facts.signedBytes)
         facts.dataType = "Int8";
     facts.integer = GDALDataTypeIsInteger(type) != FALSE;
     facts.fitsFloat = type == GDT_Float32 || (facts.integer && GDALGetDataTypeSizeBits(type) <= 16);
-
-    const GDALColorInterp colour = band.GetColorInterpretation();
-    if (colour != GCI_Undefined && colour != GCI_GrayIndex && colour != GCI_PaletteIndex)
-        return Error{ErrorCode::NotSupported, place + " of " + std::to_string(count) +
-                                                  " is a picture's (" +
-                                                  GDALGetColorInterpretationName(colour) +
-                                                  "), not a DEM; needed a band of heights"};
-    facts.hasColourTable = colour == GCI_PaletteIndex || band.GetColorTable() != nullptr;
-    if (facts.hasColourTable)
-        notes.push_back("the band has a colour table: its pixel values are taken as heights");
+    facts.hasColourTable =
+        band.GetColorInterpretation() == GCI_PaletteIndex || band.GetColorTable() != nullptr;
     return std::nullopt;
 }
 
-std::optional<double> readNoData(GDALRasterBand& band, const BandFacts& facts)
+std::optional<Error> checkHeights(const std::string& path, GDALRasterBand& band, int index,
+                                  int count, const BandFacts& facts,
+                                  std::vector<std::string>& notes)
+{
+    const GDALColorInterp colour = band.GetColorInterpretation();
+    if (colour != GCI_Undefined && colour != GCI_GrayIndex && colour != GCI_PaletteIndex)
+        return Error{ErrorCode::NotSupported, path + ": band " + std::to_string(index) + " of " +
+                                                  std::to_string(count) + " is a picture's (" +
+                                                  GDALGetColorInterpretationName(colour) +
+                                                  "), not a DEM; needed a band of heights"};
+    if (facts.hasColourTable)
+        notes.push_back("the band has a colour table: its pixel values are taken as heights");
+    if (CSLCount(band.GetCategoryNames()) > 0)
+        notes.push_back("the band has names of categories: its pixel values are taken as heights");
+    return std::nullopt;
+}
+
+std::optional<double> readNoData(GDALRasterBand& band, const PixelFacts& facts)
 {
     int found = FALSE;
     double value = 0.0;
@@ -67,7 +77,7 @@ std::optional<double> readNoData(GDALRasterBand& band, const BandFacts& facts)
     return facts.signedBytes && value > 127.0 ? value - 256.0 : value;
 }
 
-std::optional<Error> readScale(const std::string& path, GDALRasterBand& band, BandFacts& facts)
+std::optional<Error> readScale(const std::string& path, GDALRasterBand& band, PixelFacts& facts)
 {
     int found = FALSE;
     facts.scale = band.GetScale(&found);
@@ -140,11 +150,25 @@ bool isRadiusInKilometres(const BandFacts& facts, const OGRSpatialReference* crs
            std::abs(1000.0 * facts.offset / crs->GetSemiMajor() - 1.0) < 0.01;
 }
 
+/// The band's own unit; empty where it has none, or a word that says as much.
+std::string unitOf(GDALRasterBand& band)
+{
+    std::string unit = band.GetUnitType();
+    const char* item = band.GetMetadataItem("units"); // of netCDF, also in its copies
+    if (unit.empty() && item)
+        unit = item;
+    for (const char* none : {"unknown", "undefined", "unspecified", "none", "unitless",
+                             "dimensionless", "n/a", "na", "dn", "1", "-"})
+        if (EQUAL(unit.c_str(), none))
+            return "";
+    return unit;
+}
+
 std::optional<Error> readUnit(const std::string& path, GDALRasterBand& band,
                               const OGRSpatialReference* crs, const std::string& given,
                               BandFacts& facts, std::vector<std::string>& notes)
 {
-    facts.heightUnit = given.empty() ? band.GetUnitType() : given;
+    facts.heightUnit = given.empty() ? unitOf(band) : given;
     const std::optional<double> metres = metresPerHeightUnit(facts.heightUnit);
     if (metres)
         facts.metresPerHeightUnit = *metres;
@@ -165,12 +189,17 @@ std::optional<Error> readUnit(const std::string& path, GDALRasterBand& band,
     return std::nullopt;
 }
 
-/// The band's own word, which netCDF's climate and forecast conventions have, goes before the
-/// CRS's.
+/// The band's own words, which netCDF's climate and forecast conventions have, go before the
+/// CRS's. Standard names of depths are depth, depth_below_geoid and
+/// sea_floor_depth_below_sea_surface and its like.
 bool pointsDown(GDALRasterBand& band, const OGRSpatialReference* crs)
 {
     if (const char* positive = band.GetMetadataItem("positive"))
         return EQUAL(positive, "down");
+    const char* name = band.GetMetadataItem("standard_name");
+    if (name &&
+        (EQUAL(name, "depth") || std::string(name).find("depth_below") != std::string::npos))
+        return true;
     const std::optional<VerticalAxis> axis =
         crs ? verticalAxisOf(*crs) : std::optional<VerticalAxis>();
     return axis && axis->down;
@@ -186,7 +215,7 @@ int alphaBandOf(GDALDataset& dataset)
     return 0;
 }
 
-void readMask(GDALDataset& dataset, GDALRasterBand& band, BandFacts& facts)
+void readMask(GDALDataset& dataset, GDALRasterBand& band, PixelFacts& facts)
 {
     const int flags = band.GetMaskFlags();
     const bool masked = (flags & GMF_ALL_VALID) == 0 && flags != GMF_NODATA;
@@ -208,88 +237,101 @@ std::optional<std::array<double, 2>> readStatistics(GDALRasterBand& band)
 
 std::optional<double> metresPerHeightUnit(const std::string& name)
 {
+    if (name == "'")
+        return 0.3048;
     std::string key;
     for (const char c : name)
         if (std::isalnum(static_cast<unsigned char>(c)))
             key += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     struct Unit
     {
-        const char* name;
         double metres;
+        std::vector<const char*> names;
     };
-    constexpr double foot = 0.3048;
-    constexpr double surveyFoot = 1200.0 / 3937.0;
-    static const Unit units[] = {{"m", 1.0},
-                                 {"metre", 1.0},
-                                 {"metres", 1.0},
-                                 {"meter", 1.0},
-                                 {"meters", 1.0},
-                                 {"ft", foot},
-                                 {"foot", foot},
-                                 {"feet", foot},
-                                 {"internationalfoot", foot},
-                                 {"internationalfeet", foot},
-                                 {"footinternational", foot},
-                                 {"ftus", surveyFoot},
-                                 {"usft", surveyFoot},
-                                 {"footus", surveyFoot},
-                                 {"usfoot", surveyFoot},
-                                 {"usfeet", surveyFoot},
-                                 {"surveyfoot", surveyFoot},
-                                 {"surveyfeet", surveyFoot},
-                                 {"ussurveyft", surveyFoot},
-                                 {"ussurveyfoot", surveyFoot},
-                                 {"ussurveyfeet", surveyFoot},
-                                 {"footussurvey", surveyFoot},
-                                 {"km", 1000.0},
-                                 {"kilometre", 1000.0},
-                                 {"kilometer", 1000.0},
-                                 {"dm", 0.1},
-                                 {"decimetre", 0.1},
-                                 {"decimeter", 0.1},
-                                 {"cm", 0.01},
-                                 {"centimetre", 0.01},
-                                 {"centimeter", 0.01},
-                                 {"yd", 0.9144},
-                                 {"yard", 0.9144},
-                                 {"yards", 0.9144},
-                                 {"fath", 1.8288},
-                                 {"fathom", 1.8288},
-                                 {"fathoms", 1.8288},
-                                 {"kilometres", 1000.0},
-                                 {"kilometers", 1000.0},
-                                 {"decimetres", 0.1},
-                                 {"decimeters", 0.1},
-                                 {"centimetres", 0.01},
-                                 {"centimeters", 0.01},
-                                 {"millimetres", 0.001},
-                                 {"millimeters", 0.001},
-                                 {"mm", 0.001},
-                                 {"millimetre", 0.001},
-                                 {"millimeter", 0.001}};
+    static const Unit units[] = {
+        {1.0, {"m", "metre", "metres", "meter", "meters"}},
+        {0.3048,
+         {"ft", "foot", "feet", "internationalft", "internationalfoot", "internationalfeet",
+          "intlft", "intlfoot", "intlfeet", "ftinternational", "footinternational",
+          "feetinternational", "ftintl", "footintl", "feetintl"}},
+        {1200.0 / 3937.0,
+         {"ftus", "footus", "feetus", "usft", "usfoot", "usfeet", "surveyft", "surveyfoot",
+          "surveyfeet", "ussurveyft", "ussurveyfoot", "ussurveyfeet", "ftussurvey", "footussurvey",
+          "feetussurvey", "ftsurvey", "footsurvey", "feetsurvey"}},
+        {1000.0, {"km", "kilometre", "kilometres", "kilometer", "kilometers"}},
+        {0.1, {"dm", "decimetre", "decimetres", "decimeter", "decimeters"}},
+        {0.01, {"cm", "centimetre", "centimetres", "centimeter", "centimeters"}},
+        {0.001, {"mm", "millimetre", "millimetres", "millimeter", "millimeters"}},
+        {0.9144, {"yd", "yard", "yards"}},
+        {1.8288, {"fath", "fathom", "fathoms"}}};
     for (const Unit& unit : units)
-        if (key == unit.name)
+        if (std::find(unit.names.begin(), unit.names.end(), key) != unit.names.end())
             return unit.metres;
     return std::nullopt;
+}
+
+Result<PixelFacts> readPixelFacts(const std::string& path, GDALDataset& dataset, int band)
+{
+    PixelFacts facts;
+    GDALRasterBand& asked = *dataset.GetRasterBand(band);
+    if (auto error = readType(path, asked, band, facts))
+        return *error;
+    if (auto error = readScale(path, asked, facts))
+        return *error;
+    facts.noData = readNoData(asked, facts);
+    readMask(dataset, asked, facts);
+    return facts;
+}
+
+bool readPixels(GDALDataset& dataset, int band, const PixelFacts& facts, int column, int row,
+                int width, PixelRow& pixels)
+{
+    const auto read = [&](GDALRasterBand& from, std::vector<float>& to)
+    {
+        to.resize(static_cast<std::size_t>(width));
+        return from.RasterIO(GF_Read, column, row, width, 1, to.data(), width, 1, GDT_Float32, 0, 0,
+                             nullptr) == CE_None;
+    };
+    GDALRasterBand& asked = *dataset.GetRasterBand(band);
+    std::vector<float> mask;
+    if (!read(asked, pixels.values))
+        return false;
+    if (facts.hasMask &&
+        !read(facts.alphaBand != 0 ? *dataset.GetRasterBand(facts.alphaBand) : *asked.GetMaskBand(),
+              mask))
+        return false;
+    pixels.isVoid.assign(pixels.values.size(), false);
+    for (std::size_t i = 0; i < pixels.values.size(); ++i)
+    {
+        float& value = pixels.values[i];
+        if (facts.signedBytes && value > 127.0f)
+            value -= 256.0f;
+        const bool isNoData = facts.noData && (std::isnan(*facts.noData)
+                                                   ? std::isnan(value)
+                                                   : value == static_cast<float>(*facts.noData));
+        pixels.isVoid[i] = isNoData || (!mask.empty() && !(mask[i] > 0.0f));
+        value = static_cast<float>(static_cast<double>(value) * facts.scale + facts.offset);
+    }
+    return true;
 }
 
 Result<BandFacts> readBandFacts(const std::string& path, GDALDataset& dataset, int band,
                                 const std::string& givenUnit, std::vector<std::string>& notes)
 {
+    Result<PixelFacts> pixels = readPixelFacts(path, dataset, band);
+    if (!pixels)
+        return pixels.error();
     BandFacts facts;
+    static_cast<PixelFacts&>(facts) = std::move(*pixels);
     GDALRasterBand& asked = *dataset.GetRasterBand(band);
     const OGRSpatialReference* crs = dataset.GetSpatialRef();
-    if (auto error = readType(path, asked, band, dataset.GetRasterCount(), facts, notes))
-        return *error;
-    if (auto error = readScale(path, asked, facts))
+    if (auto error = checkHeights(path, asked, band, dataset.GetRasterCount(), facts, notes))
         return *error;
     if (auto error = readUnit(path, asked, crs, givenUnit, facts, notes))
         return *error;
     facts.depths = pointsDown(asked, crs);
     if (facts.depths)
         notes.push_back("the vertical axis points down: depths become heights below 0");
-    facts.noData = readNoData(asked, facts);
-    readMask(dataset, asked, facts);
     facts.statistics = readStatistics(asked);
     return facts;
 }

@@ -13,8 +13,8 @@ class GDALRasterBand;
 namespace osgTerrainLight
 {
 
-/// All that GDAL says of a band of heights, asked once. docs/INPUTS.md has the table.
-struct BandFacts
+/// How a band's pixels become values, and which of them are void.
+struct PixelFacts
 {
     std::string dataType;     ///< GDAL's name; Int8 also where GDAL reads signed bytes as unsigned
     bool signedBytes = false; ///< pixels are read as 0 … 255 and mean −128 … 127
@@ -25,6 +25,13 @@ struct BandFacts
     bool hasColourTable = false;
     std::optional<double> noData;     ///< of stored values
     double scale = 1.0, offset = 0.0; ///< value = stored · scale + offset
+
+    bool isScaled() const { return scale != 1.0 || offset != 0.0; }
+};
+
+/// All that GDAL says of a band of heights, asked once. docs/INPUTS.md has the table.
+struct BandFacts : PixelFacts
+{
     std::string heightUnit;           ///< empty where nothing says one: metres
     double metresPerHeightUnit = 1.0; ///< > 0
     bool depths = false;              ///< the vertical axis points down: height = −value
@@ -37,6 +44,21 @@ struct BandFacts
         return depths ? -metres : metres;
     }
 };
+
+/// Errors: complex numbers, a scale of 0 or one that is not finite.
+Result<PixelFacts> readPixelFacts(const std::string& path, GDALDataset& dataset, int band);
+
+/// Part of a row of pixels: values by scale and offset, and whether they are void by nodata value,
+/// mask or alpha band.
+struct PixelRow
+{
+    std::vector<float> values;
+    std::vector<bool> isVoid;
+};
+
+/// False where GDAL cannot read it.
+bool readPixels(GDALDataset& dataset, int band, const PixelFacts& facts, int column, int row,
+                int width, PixelRow& pixels);
 
 /// A unit's length in metres by the names in use ("ft", "US survey foot", "Meters"); nothing where
 /// the name is not known.
