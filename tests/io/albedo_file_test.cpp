@@ -2,6 +2,7 @@
 
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
+#include <ogr_spatialref.h>
 
 #include <cmath>
 #include <limits>
@@ -80,6 +81,120 @@ TEST(AlbedoFile, WhatIsNotFiniteIsBlack)
     EXPECT_EQ(albedo->at(1, 1), (Rgb{1.0f, 1.0f, 1.0f}));
 }
 
+namespace
+{
+/// Of what write() made.
+GDALDatasetUniquePtr open(const std::string& path)
+{
+    return GDALDatasetUniquePtr(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_UPDATE));
+}
+
+void setCrs(GDALDataset& dataset, const std::string& crs)
+{
+    OGRSpatialReference reference;
+    ASSERT_EQ(reference.SetFromUserInput(crs.c_str()), OGRERR_NONE);
+    dataset.SetSpatialRef(&reference);
+}
+
+/// WKT, as a DEM has it.
+std::string wktOf(const std::string& crs)
+{
+    OGRSpatialReference reference;
+    EXPECT_EQ(reference.SetFromUserInput(crs.c_str()), OGRERR_NONE);
+    char* text = nullptr;
+    const char* wkt2[] = {"FORMAT=WKT2_2019", nullptr};
+    reference.exportToWkt(&text, wkt2);
+    const std::string wkt = text;
+    CPLFree(text);
+    return wkt;
+}
+} // namespace
+
+// value = stored · scale + offset: 5000 · 0.0001 = 0.5, as reflectances are stored. Bytes with a
+// scale are no sRGB colours: 51 / 255 = 0.2.
+TEST(AlbedoFile, ScaleAndOffsetCount)
+{
+    const struct
+    {
+        GDALDataType type;
+        float stored;
+        double scale, offset;
+        float expected;
+    } kinds[] = {{GDT_Int16, 5000.0f, 0.0001, 0.0, 0.5f},
+                 {GDT_Float32, 0.8f, 0.5, 0.0, 0.4f},
+                 {GDT_UInt16, 10000.0f, 0.00005, -0.25, 0.25f},
+                 {GDT_Byte, 51.0f, 1.0 / 255.0, 0.0, 0.2f}};
+    for (const auto& kind : kinds)
+    {
+        const std::string path = write("scale", kind.type, {std::vector<float>(6, kind.stored)});
+        open(path)->GetRasterBand(1)->SetScale(kind.scale);
+        open(path)->GetRasterBand(1)->SetOffset(kind.offset);
+        const auto albedo = readAlbedo(path, dem());
+        ASSERT_TRUE(albedo.ok()) << albedo.error().message;
+        EXPECT_NEAR(albedo->at(1, 1)[0], kind.expected, 1e-6f);
+    }
+}
+
+// Fewer bits: 15 of four is white. Red, green and blue where bands say they are.
+TEST(AlbedoFile, BitsAndColoursOfBandsCount)
+{
+    const std::string path = write(
+        "bgr", GDT_Byte,
+        {std::vector<float>(6, 0.0f), std::vector<float>(6, 0.0f), std::vector<float>(6, 255.0f)});
+    {
+        const GDALDatasetUniquePtr dataset = open(path);
+        const GDALColorInterp colours[] = {GCI_BlueBand, GCI_GreenBand, GCI_RedBand};
+        for (int i = 0; i < 3; ++i)
+            dataset->GetRasterBand(i + 1)->SetColorInterpretation(colours[i]);
+    }
+    const auto albedo = readAlbedo(path, dem());
+    ASSERT_TRUE(albedo.ok()) << albedo.error().message;
+    EXPECT_EQ(albedo->at(1, 1), (Rgb{1.0f, 0.0f, 0.0f}));
+    const std::string four = write("four", GDT_Byte, {std::vector<float>(6, 15.0f)});
+    const char* const bits[] = {"NBITS=4", nullptr};
+    GDALDatasetUniquePtr(GetGDALDriverManager()->GetDriverByName("GTiff")->CreateCopy(
+        "/vsimem/bits.tif", open(four).get(), TRUE, const_cast<char**>(bits), nullptr, nullptr));
+    const auto white = readAlbedo("/vsimem/bits.tif", dem());
+    ASSERT_TRUE(white.ok());
+    EXPECT_FLOAT_EQ(white->at(1, 1)[0], 1.0f);
+}
+
+TEST(AlbedoFile, WhatIsVoidIsBlack)
+{
+    const std::string path =
+        write("void", GDT_Float32,
+              {{0.5f, 0.25f, 0.5f, 0.5f, 0.5f, 0.5f}, {1.0f, 1.0f, 0.0f, 0.25f, 1.0f, 1.0f}});
+    open(path)->GetRasterBand(2)->SetColorInterpretation(GCI_AlphaBand);
+    open(path)->GetRasterBand(1)->SetNoDataValue(0.25);
+    const auto albedo = readAlbedo(path, dem());
+    ASSERT_TRUE(albedo.ok()) << albedo.error().message;
+    const Rgb grey = {0.5f, 0.5f, 0.5f};
+    EXPECT_EQ(albedo->at(0, 1), grey);
+    EXPECT_EQ(albedo->at(1, 1), Rgb{}) << "nodata";
+    EXPECT_EQ(albedo->at(2, 1), Rgb{}) << "alpha 0";
+    EXPECT_EQ(albedo->at(0, 0), grey) << "partly transparent";
+}
+
+// The same CRS by a code and by its numbers; a vertical part does not matter.
+TEST(AlbedoFile, TheCrsIsTheDems)
+{
+    DemInfo info = dem();
+    const std::string path = write("crs", GDT_Float32, {std::vector<float>(6, 0.5f)});
+    setCrs(*open(path), "EPSG:32633");
+    for (const char* same :
+         {"EPSG:32633", "EPSG:32633+5773", "+proj=utm +zone=33 +ellps=WGS84 +units=m"})
+    {
+        info.frame.crs = wktOf(same);
+        const auto albedo = readAlbedo(path, info);
+        EXPECT_TRUE(albedo.ok()) << same << albedo.error().message;
+    }
+    info.frame.crs = wktOf("EPSG:32632");
+    const auto other = readAlbedo(path, info);
+    ASSERT_FALSE(other.ok());
+    EXPECT_NE(other.error().message.find("in CRS \"WGS 84 / UTM zone 33N\""), std::string::npos)
+        << other.error().message;
+}
+
 TEST(AlbedoFile, RefusesWhatDoesNotFit)
 {
     const std::vector<float> grey(6, 0.5f);
@@ -97,6 +212,10 @@ TEST(AlbedoFile, RefusesWhatDoesNotFit)
     refused(write("bright", GDT_Float32, {{0.5f, 1.5f, 0.5f, 0.5f, 0.5f, 0.5f}}), dem(),
             "1.5 at pixel 1, 0");
     refused(write("east", GDT_Float32, {grey}, 130.0), dem(), "lies elsewhere");
+    refused(write("complex", GDT_CFloat32, {grey}), dem(), "complex numbers");
+    const std::string cyan = write("cyan", GDT_Byte, {grey, grey, grey, grey});
+    open(cyan)->GetRasterBand(1)->SetColorInterpretation(GCI_CyanBand);
+    refused(cyan, dem(), "is Cyan");
     const std::string palette = write("palette", GDT_Byte, {{0, 1, 0, 1, 0, 1}});
     {
         const GDALDatasetUniquePtr dataset(GDALDataset::Open(palette.c_str(), GDAL_OF_UPDATE));

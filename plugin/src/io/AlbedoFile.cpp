@@ -2,18 +2,77 @@
 
 #include "io/GdalErrors.h"
 #include "io/InputFiles.h"
+#include "io/PictureBands.h"
 
 #include <cpl_string.h>
 #include <gdal_priv.h>
+#include <ogr_spatialref.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
-#include <vector>
+#include <memory>
+#include <optional>
 
 namespace osgTerrainLight
 {
+
+namespace
+{
+/// Whether two corners of the raster lie where the DEM's CRS has them. CRSs of different names can
+/// be the same, so places are compared.
+bool sameCrs(const OGRSpatialReference& theirCrs, const DemInfo& dem)
+{
+    OGRSpatialReference ours, theirs(theirCrs);
+    if (ours.importFromWkt(dem.frame.crs.c_str()) != OGRERR_NONE)
+        return true;
+    for (OGRSpatialReference* crs : {&ours, &theirs})
+    {
+        crs->StripVertical();
+        crs->DemoteTo2D(nullptr);
+        crs->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    }
+    const char* const way[] = {"CRITERION=EQUIVALENT", nullptr};
+    if (ours.IsSame(&theirs, way))
+        return true;
+    const std::unique_ptr<OGRCoordinateTransformation> transform(
+        OGRCreateCoordinateTransformation(&theirs, &ours));
+    const RasterFrame& frame = dem.frame;
+    for (const int end : {0, 1})
+    {
+        const double x = frame.mapX(end * (frame.width - 1));
+        const double y = frame.mapY(end * (frame.height - 1));
+        double ourX = x, ourY = y;
+        if (!transform || !transform->Transform(1, &ourX, &ourY) ||
+            !(std::hypot((ourX - x) / frame.geoTransform[1], (ourY - y) / frame.geoTransform[5]) <
+              0.5))
+            return false;
+    }
+    return true;
+}
+
+std::optional<Error> complaintOfPlace(const std::string& path, GDALDataset& dataset,
+                                      const DemInfo& dem)
+{
+    std::array<double, 6> place = {};
+    if (!dem.frame.hasGeoTransform || dataset.GetGeoTransform(place.data()) != CE_None)
+        return std::nullopt;
+    const PixelWindow& window = dem.window;
+    const std::array<double, 6>& ours = dem.frame.geoTransform;
+    const double pixels = std::hypot((place[0] + window.column * place[1] - ours[0]) / ours[1],
+                                     (place[3] + window.row * place[5] - ours[3]) / ours[5]);
+    if (!(pixels < 0.5) || std::abs(place[1] / ours[1] - 1.0) * dem.rasterWidth > 0.5 ||
+        std::abs(place[5] / ours[5] - 1.0) * dem.rasterHeight > 0.5)
+        return Error{ErrorCode::Invalid, path + ": lies elsewhere than the DEM: needs its pixels "
+                                                "(gdalwarp -te ... -ts ...)"};
+    const OGRSpatialReference* crs = dataset.GetSpatialRef();
+    if (crs && !dem.frame.crs.empty() && !sameCrs(*crs, dem))
+        return Error{ErrorCode::Invalid, path + ": lies elsewhere than the DEM, in CRS \"" +
+                                             (crs->GetName() ? crs->GetName() : "") +
+                                             "\": needs the DEM's, \"" + dem.crsName +
+                                             "\" (gdalwarp -t_srs ...)"};
+    return std::nullopt;
+}
+} // namespace
 
 float linearOfSrgb(float encoded)
 {
@@ -41,52 +100,37 @@ Result<Raster<Rgb>> readAlbedo(const std::string& path, const DemInfo& dem)
     if (dataset->GetRasterCount() < 3 && dataset->GetRasterBand(1)->GetColorTable())
         return Error{ErrorCode::NotSupported,
                      path + ": has a palette: needs colours (gdal_translate -expand rgb)"};
-    std::array<double, 6> place = {};
-    if (dem.frame.hasGeoTransform && dataset->GetGeoTransform(place.data()) == CE_None)
-    {
-        const std::array<double, 6>& theirs = dem.frame.geoTransform;
-        const double pixels =
-            std::hypot((place[0] + window.column * place[1] - theirs[0]) / theirs[1],
-                       (place[3] + window.row * place[5] - theirs[3]) / theirs[5]);
-        if (!(pixels < 0.5) || std::abs(place[1] / theirs[1] - 1.0) * dem.rasterWidth > 0.5 ||
-            std::abs(place[5] / theirs[5] - 1.0) * dem.rasterHeight > 0.5)
-            return Error{ErrorCode::Invalid, path +
-                                                 ": lies elsewhere than the DEM: needs its pixels "
-                                                 "(gdalwarp -te ... -ts ...)"};
-    }
+    if (const std::optional<Error> elsewhere = complaintOfPlace(path, *dataset, dem))
+        return *elsewhere;
+    const Result<std::array<PictureBand, 3>> bands = pictureBandsOf(path, *dataset);
+    if (!bands)
+        return bands.error();
     Raster<Rgb> albedo(window.width, window.height, Rgb{});
-    const int bands = dataset->GetRasterCount();
-    std::vector<float> values(static_cast<std::size_t>(window.width));
-    std::vector<std::uint8_t> mask(values.size());
+    PixelRow pixels;
     for (std::size_t channel = 0; channel < 3; ++channel)
     {
-        GDALRasterBand* band =
-            dataset->GetRasterBand(bands >= 3 ? static_cast<int>(channel) + 1 : 1);
-        const bool encoded = band->GetRasterDataType() == GDT_Byte;
+        const PictureBand& band = (*bands)[channel];
         for (int row = 0; row < window.height; ++row)
         {
-            if (band->RasterIO(GF_Read, window.column, window.row + row, window.width, 1,
-                               values.data(), window.width, 1, GDT_Float32, 0, 0,
-                               nullptr) != CE_None ||
-                band->GetMaskBand()->RasterIO(GF_Read, window.column, window.row + row,
-                                              window.width, 1, mask.data(), window.width, 1,
-                                              GDT_Byte, 0, 0, nullptr) != CE_None)
+            if (!readPixels(*dataset, band.number, band.facts, window.column, window.row + row,
+                            window.width, pixels))
                 return Error{ErrorCode::Failed, path + ": cannot be read: " + errors.first()};
             const int tileRow = dem.frame.northUp ? window.height - 1 - row : row;
             for (int column = 0; column < window.width; ++column)
             {
                 const std::size_t i = static_cast<std::size_t>(column);
-                if (mask[i] == 0 || !std::isfinite(values[i]))
+                const float value = pixels.values[i];
+                if (pixels.isVoid[i] || !std::isfinite(value))
                     continue;
-                if (!encoded && (values[i] < 0.0f || values[i] > 1.0f))
+                if (!band.isByte() && (value < 0.0f || value > 1.0f))
                     return Error{ErrorCode::Invalid,
-                                 path + ": " + CPLSPrintf("%.6g", static_cast<double>(values[i])) +
+                                 path + ": " + CPLSPrintf("%.6g", static_cast<double>(value)) +
                                      " at pixel " + std::to_string(window.column + column) + ", " +
                                      std::to_string(window.row + row) +
                                      ": an albedo needs 0 ... 1 (bytes are sRGB colours)"};
                 const int tileColumn = dem.frame.westFirst ? column : window.width - 1 - column;
                 albedo.at(tileColumn, tileRow)[channel] =
-                    encoded ? linearOfSrgb(values[i] / 255.0f) : values[i];
+                    band.isByte() ? linearOfSrgb(value / band.white) : value;
             }
         }
     }

@@ -2,10 +2,15 @@
 
 #include "io/AlbedoFile.h"
 #include "io/GdalErrors.h"
+#include "io/PictureBands.h"
 
 #include <cpl_vsi.h>
 #include <gdal_priv.h>
+#include <ogr_spatialref.h>
 
+#include <algorithm>
+#include <array>
+#include <optional>
 #include <vector>
 
 namespace osgTerrainLight
@@ -13,13 +18,33 @@ namespace osgTerrainLight
 
 namespace
 {
-/// The greatest value of a type of sRGB colours; 0: a type of linear values; below: neither.
-float greatestOf(GDALDataType type)
+/// Of codes and of light. Whole numbers that are neither have to be made light by a scale.
+bool isLight(const PictureBand& band)
 {
-    return type == GDT_Byte                             ? 255.0f
-           : type == GDT_UInt16                         ? 65535.0f
-           : type == GDT_Float32 || type == GDT_Float64 ? 0.0f
-                                                        : -1.0f;
+    return band.white > 0.0f || band.facts.isScaled() || !band.facts.integer;
+}
+
+/// What tells a map from a picture of a sky.
+std::string noteOfMap(GDALDataset& file)
+{
+    const OGRSpatialReference* crs = file.GetSpatialRef();
+    return crs ? std::string("a map (CRS \"") + (crs->GetName() ? crs->GetName() : "") +
+                     "\") is taken as a picture of the sky"
+               : "";
+}
+
+std::optional<Error> complaintOfBand(const std::string& path, GDALDataset& file,
+                                     const PictureBand& band)
+{
+    const std::string unit = file.GetRasterBand(band.number)->GetUnitType();
+    if (!unit.empty() && metresPerHeightUnit(unit))
+        return Error{ErrorCode::Invalid, path + ": band " + std::to_string(band.number) +
+                                             " holds lengths (unit " + unit + "); needed light"};
+    if (!isLight(band))
+        return Error{ErrorCode::NotSupported,
+                     path + ": holds " + band.facts.dataType +
+                         " values; needed bytes, unsigned 16-bit integers, floats or a scale"};
+    return std::nullopt;
 }
 
 /// A colour of a palette; 0 where it has no such entry.
@@ -53,30 +78,43 @@ Result<EnvironmentPicture> readRasterEnvironment(const std::string& path, std::s
                                              " pixels; needed 2 : 1 (latitude-longitude), at most "
                                              "16384 x 8192"};
     std::vector<Rgb> pixels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    std::vector<float> line(static_cast<std::size_t>(width));
+    Result<std::array<PictureBand, 3>> bands = pictureBandsOf(path, *file);
+    if (!bands)
+        return bands.error();
+    PixelRow line;
+    std::vector<bool> isVoid(pixels.size(), false);
     for (std::size_t channel = 0; channel < 3; ++channel)
     {
-        const int number = file->GetRasterCount() >= 3 ? static_cast<int>(channel) + 1 : 1;
-        GDALRasterBand& band = *file->GetRasterBand(number);
-        const GDALColorTable* palette = band.GetColorTable();
-        const float greatest = greatestOf(band.GetRasterDataType());
-        if (greatest < 0.0f)
-            return Error{ErrorCode::NotSupported,
-                         path + ": holds " + GDALGetDataTypeName(band.GetRasterDataType()) +
-                             " values; needed bytes, unsigned 16-bit integers or floats"};
+        PictureBand& band = (*bands)[channel];
+        if (auto error = complaintOfBand(path, *file, band))
+            return *error;
+        const GDALColorTable* palette = file->GetRasterBand(band.number)->GetColorTable();
+        if (palette) // its entries are the colours
+            band.facts.scale = 1.0, band.facts.offset = 0.0;
         for (int row = 0; row < height; ++row)
         {
-            if (band.RasterIO(GF_Read, 0, row, width, 1, line.data(), width, 1, GDT_Float32, 0, 0,
-                              nullptr) != CE_None)
+            if (!readPixels(*file, band.number, band.facts, 0, row, width, line))
                 return Error{ErrorCode::Invalid, path + ": cannot be read: " + errors.first()};
-            for (std::size_t i = 0; i < line.size(); ++i)
-                pixels[static_cast<std::size_t>(row) * line.size() + i][channel] =
-                    palette           ? linearOfSrgb(colourOf(*palette, line[i], channel))
-                    : greatest > 0.0f ? linearOfSrgb(line[i] / greatest)
-                                      : line[i];
+            for (std::size_t i = 0; i < line.values.size(); ++i)
+            {
+                const std::size_t at = static_cast<std::size_t>(row) * line.values.size() + i;
+                const float value = line.values[i];
+                if (line.isVoid[i])
+                    isVoid[at] = true;
+                else
+                    pixels[at][channel] = palette ? linearOfSrgb(colourOf(*palette, value, channel))
+                                          : band.white > 0.0f ? linearOfSrgb(value / band.white)
+                                                              : value;
+            }
         }
     }
-    const std::string warning = makeUsable(pixels);
+    const auto voids = std::count(isVoid.begin(), isVoid.end(), true);
+    const std::string warning =
+        joined({noteOfMap(*file),
+                voids > 0 ? std::to_string(voids) +
+                                " pixels have voids (nodata, mask or alpha 0), taken as 0"
+                          : "",
+                makeUsable(pixels)});
     EnvironmentPicture picture = fromLatitudeLongitude(width, height, pixels);
     if (!warning.empty())
         picture.warning = path + ": " + warning;
