@@ -156,13 +156,10 @@ const std::vector<Method>& allMethods()
          [](LightingSettings& s) { s.quality = HorizonQuality::Normal; }},
         {"sweep-best", "--quality best",
          [](LightingSettings& s) { s.quality = HorizonQuality::Best; }},
-        {"subsampled-2", "--subsampling 2", [](LightingSettings& s) { s.subsampling = 2; }, true},
         {"legendre", "--bounce-method legendre",
          [](LightingSettings& s) { s.bounceMethod = BounceMethod::Legendre; }, true},
         {"legendre-bspline", "--bounce-method legendre-bspline",
          [](LightingSettings& s) { s.bounceMethod = BounceMethod::LegendreBSpline; }, true, false},
-        {"subsampled-4", "--subsampling 4", [](LightingSettings& s) { s.subsampling = 4; }, true,
-         false},
         {"legendre-2", "legendre with --subsampling 2",
          [](LightingSettings& s)
          {

@@ -254,7 +254,6 @@ int main(int argc, char** argv)
     settings.azimuths = 16;
     settings.quality = HorizonQuality::Draft;
     settings.bounces = bounces;
-    settings.subsampling = 4;
     lit->setSettings(settings);
 
     osgViewer::Viewer viewer;

@@ -8,4 +8,5 @@
 #include "clear_sky.glsl"
 #include "legendre.glsl"
 #include "gather.glsl"
+#include "line_history.glsl"
 #include "environment.glsl"

@@ -49,13 +49,14 @@ SliceGather closeGather(SliceGather slice, Slope cap, Angle width)
     return addSegment(slice, cap, slice.last, cap, width);
 }
 
-// The same without what came so far: only what is above is counted.
-SliceGather countFromHere(SliceGather slice)
+// Irradiance that the slice's segments give a surface of the normal. Rounding leaves no light below
+// zero.
+vec3 received(SliceGather slice, vec3 normal, real cosine, real sine)
 {
-    SliceGather next = slice;
-    next.upward = vec3(real(0.0), real(0.0), real(0.0));
-    next.outward = next.upward;
-    return next;
+    GLSL_ASSERT(isUnit(normal) && isUnitPair(cosine, sine));
+    real along = normal.x * cosine + normal.y * sine;
+    vec3 light = slice.upward * normal.z + slice.outward * along;
+    return vec3(max(light.x, real(0.0)), max(light.y, real(0.0)), max(light.z, real(0.0)));
 }
 
 // In Legendre polynomials, per colour.

@@ -18,7 +18,7 @@ measure()
   if [[ ! -f $files.svg ]]; then
     echo "measuring $name"
     "$tool" bench "$@" --bounces 1 --sun 315,25 --azimuths 16,32,64 --posts 2000 --paths 65536 --repeats 2 \
-      --methods sweep-draft,sweep-normal,sweep-best,subsampled-2,subsampled-4,legendre \
+      --methods sweep-draft,sweep-normal,sweep-best,legendre \
       --csv "$files.csv" --plot "$files.svg" -q >"$files.txt"
   fi
   cp "$files.svg" "docs/measurements/images/bounces_$name.svg"
@@ -36,7 +36,6 @@ This page is written by `tests/bench/bounces.sh`. It has one bounce of sky and s
 that of the bounce, as `terrainlight bench` measures it against the path tracer. [The method](../methods/bounces.md) has its own page.
 
 - `sweep-draft`, `sweep-normal` and `sweep-best` are the three qualities of the default method (exact slices).
-- `subsampled-2` and `subsampled-4` are the default with light from far terrain gathered once per block of 2 × 2 and 4 × 4 posts.
 - `legendre` is the scheme of Nowrouzezahrai and Snyder 2009 for all light, direct light too, in the quality `normal`. This is finer than the
   paper's own k = 4, o = 2.
 - `*` marks the Pareto front.

@@ -167,7 +167,6 @@ done
 shade bounces-key-lights crater.tif "${sun[@]}" "${key[@]}" --bounces 2 --albedo 0.7,0.5,0.3
 shade bounces-harmonics crater.tif --no-sun "${harmonics[@]}" --bounces 1
 for subsampling in 2 4; do
-  shade "subsampled-$subsampling" fractal.tif "${sun[@]}" --bounces 3 --subsampling "$subsampling"
   shade "subsampled-$subsampling-legendre" fractal.tif "${sun[@]}" --bounces 1 --subsampling "$subsampling" \
     --bounce-method legendre
 done
@@ -181,7 +180,6 @@ shade voids voids.tif "${sun[@]}" --bounces 2
 shade voids-legendre voids.tif "${sun[@]}" --bounces 1 --bounce-method legendre
 shade utm utm.tif --time 2024-06-21T15:00Z --sky clear --bounces 1
 shade degrees degrees.tif "${sun[@]}" --bounces 2
-shade degrees-subsampled degrees.tif "${sun[@]}" --bounces 1 --subsampling 2
 shade curved fractal.tif "${sun[@]}" --body-radius 60000 --bounces 1
 for quality in draft best; do
   shade "$quality" crater.tif "${sun[@]}" --quality "$quality" --bounces 1

@@ -23,7 +23,7 @@ started=$SECONDS
 for size in "${sizes[@]}"; do
   for bounces in 1 2 3; do
     # Quality draft has the paper's own k = 4.
-    for entry in draft:legendre,legendre-2,legendre-4 normal:sweep-normal,subsampled-2,subsampled-4; do
+    for entry in draft:legendre,legendre-2,legendre-4 normal:sweep-normal; do
       quality=${entry%%:*}
       # The default is there to be compared; the largest would take as long as all the rest.
       [[ $quality != normal || $size -lt 1024 ]] || continue

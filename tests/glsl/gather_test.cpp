@@ -88,10 +88,13 @@ TYPED_TEST(Gather, HiddenSamplesSendNothing)
     const double bound = 1000.0 * slices * 8.0 * roundoff<TypeParam>;
     EXPECT_NEAR(static_cast<double>(counted.upward.x), static_cast<double>(expected.x), bound);
     EXPECT_NEAR(static_cast<double>(counted.outward.x), static_cast<double>(expected.y), bound);
-    // Counted from the last sample on, only the crest is left.
-    const auto rest = glsl.closeGather(glsl.countFromHere(gathered), cap, width);
-    EXPECT_NEAR(static_cast<double>(rest.upward.x), 1000.0 * static_cast<double>(piece(1.0, 2.0).x),
-                bound);
+    // Of that, a surface that leans towards the slice by 3 in 5 receives its vertical and its
+    // horizontal part.
+    const auto light =
+        glsl.received(counted, typename G::vec3(0.48, 0.36, 0.8), TypeParam(0.8), TypeParam(0.6));
+    EXPECT_NEAR(static_cast<double>(light.x),
+                0.8 * static_cast<double>(expected.x) + 0.6 * static_cast<double>(expected.y),
+                2.0 * bound);
 }
 
 // Even light in Legendre polynomials: what is below the horizon less what is below the plane.

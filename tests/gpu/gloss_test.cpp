@@ -315,11 +315,17 @@ TEST(Gloss, CostsNothingWhereThereIsNone)
     // bounce's light with gloss; 12 layers of a pyramid laid out as that of heights. A texel of
     // material.
     const PyramidLayout layout = PyramidLayout::ofPosts(33, 25);
+    const auto texels = [](const PyramidLayout& pyramid)
+    { return static_cast<std::size_t>(pyramid.width * pyramid.height); };
     const std::size_t expected = 33u * 25u * (3u * 13u + 2u * 12u + 2u) * 8u + 12u * 8u +
-                                 static_cast<std::size_t>(layout.width * layout.height) * 12u * 8u +
-                                 8u;
-    EXPECT_EQ(stage().bytes, expected);
-    EXPECT_EQ(lighting->bytes(), before + expected);
+                                 texels(layout) * 12u * 8u + 8u;
+    // It also owns the lengths of steps, a float per row and azimuth, which are the bounces', too.
+    EXPECT_EQ(stage().bytes, expected + 4u * 25u * static_cast<unsigned>(settings.azimuths));
+    // Only gloss reads pyramids: two floats per texel of heights, and for each bounce four half
+    // floats per texel of what cells send.
+    const std::size_t pyramids =
+        8u * texels(layout) + 2u * 8u * texels(PyramidLayout::ofCells(32, 24));
+    EXPECT_EQ(lighting->bytes(), before + expected + pyramids);
     const Raster<osg::Vec4f> mixed = lighting->readShading(state);
     EXPECT_GT(mixed.at(16, 12).x(), shading.at(16, 12).x());
 

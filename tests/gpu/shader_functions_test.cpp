@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -396,6 +397,73 @@ TEST(ShaderFunctions, Sky)
             EXPECT_NEAR(found.at(i, 3 + definition),
                         glsl.skySlice(arguments.at(i, 0), normal, 1.0f, 0.0f, width, definition),
                         slice);
+    }
+}
+
+// Eight steps of a line, entered one by one and joined in pairs, seen from beyond.
+TEST(ShaderFunctions, LineHistory)
+{
+    OTL_NEED_GL(context);
+    G glsl;
+    std::mt19937 random(41);
+    std::uniform_real_distribution<float> uniform(-1.0f, 1.0f);
+    Raster<float> arguments(1024, 12);
+    for (float& argument : arguments.values())
+        argument = uniform(random);
+    const Raster<float> found = evaluate(*context, R"(
+    SliceGather slice = startGather(-0.5, vec3(0.0), 0.2);
+    vec4 light = vec4(0.0);
+    for (int pair = 3; pair >= 0; --pair)
+    {
+        Passed steps[2];
+        for (int i = 0; i < 2; ++i)
+        {
+            int at = 2 * pair + i;
+            steps[i] = passedStep(40.0 * arg(at), float(at), 20.0 * (arg(at) - arg(at + 1)),
+                                  vec3(arg(at) + 1.0, 1.0, 2.0), 30.0);
+        }
+        Passed piece = joinPassed(steps[0], pair == 2 ? passedNothing() : steps[1], 30.0);
+        light += piece.light;
+        put(pair, piece.end.y);
+        slice = addPassed(slice, piece, 10.0 * arg(9), 10.0, 30.0, 0.5 + arg(10), 0.2);
+    }
+    put(4, light.x);
+    put(5, light.w);
+    put(6, slice.highest);
+    vec3 normal = normalize(vec3(0.3 * arg(11), 0.2, 1.0));
+    put(7, received(slice, normal, 0.6, 0.8).x);
+)",
+                                         arguments, 8);
+    for (int column = 0; column < arguments.width(); ++column)
+    {
+        const auto arg = [&](int row) { return arguments.at(column, row); };
+        auto slice = glsl.startGather(-0.5f, G::vec3(0.0f), 0.2f);
+        G::vec4 light(0.0f);
+        for (int pair = 3; pair >= 0; --pair)
+        {
+            std::array<decltype(glsl.passedNothing()), 2> steps;
+            for (int i = 0; i < 2; ++i)
+            {
+                const int at = 2 * pair + i;
+                steps[std::size_t(i)] =
+                    glsl.passedStep(40.0f * arg(at), float(at), 20.0f * (arg(at) - arg(at + 1)),
+                                    G::vec3(arg(at) + 1.0f, 1.0f, 2.0f), 30.0f);
+            }
+            const auto piece =
+                glsl.joinPassed(steps[0], pair == 2 ? glsl.passedNothing() : steps[1], 30.0f);
+            light += piece.light;
+            EXPECT_EQ(found.at(column, pair), piece.end.y);
+            slice =
+                glsl.addPassed(slice, piece, 10.0f * arg(9), 10.0f, 30.0f, 0.5f + arg(10), 0.2f);
+        }
+        // Eight products of up to 2 and 40.
+        EXPECT_NEAR(found.at(column, 4), light.x, 8.0 * 80.0 * 4.0 * ulp);
+        EXPECT_NEAR(found.at(column, 5), light.w, 8.0 * 40.0 * 4.0 * ulp);
+        EXPECT_NEAR(found.at(column, 6), slice.highest, 8.0 * ulp);
+        const G::vec3 normal = glm::normalize(G::vec3(0.3f * arg(11), 0.2f, 1.0f));
+        // Light of up to 2, of moments up to 0.3, which change by less than 0.2 per unit of slope.
+        EXPECT_NEAR(found.at(column, 7), glsl.received(slice, normal, 0.6f, 0.8f).x,
+                    2.0 * 8.0 * (sine + 8.0 * ulp));
     }
 }
 

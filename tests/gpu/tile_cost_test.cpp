@@ -2,7 +2,6 @@
 #include "core/SettingsTable.h"
 #include "core/SyntheticTerrain.h"
 #include "lighting/TileLight.h"
-#include "lighting/nodes/PyramidLayout.h"
 #include "support/GlContext.h"
 #include <osgTerrainLight/HeadlessContext.h>
 
@@ -59,27 +58,21 @@ TEST(TileCost, WithoutBouncesIsWhatItWasBeforeWorkWasDeclared)
     lighting->releaseGLObjects(&context->state());
 }
 
-// Half floats of four channels but for the heights' pyramid of two floats: direct light, and of
-// each bounce its light, what cells send, and the pyramid of that. A length of a step per azimuth
-// and row, and a texel of albedo.
+// Half floats of four channels: direct light, and of each bounce its light and what cells send.
+// What all bounces compute with: sums of four floats and gradients of two, a length of a step per
+// azimuth and row, and a texel of albedo.
 TEST(TileCost, OfBouncesIsOneTextureOfLightAndOneOfWhatIsSentForEach)
 {
     OTL_NEED_GL(context);
-    const PyramidLayout heights = PyramidLayout::ofPosts(width, height);
-    const PyramidLayout cells = PyramidLayout::ofCells(width - 1, height - 1);
-    const auto texels = [](const PyramidLayout& layout)
-    { return static_cast<std::size_t>(layout.width * layout.height); };
-    const std::size_t once =
-        8 * posts + 8 * texels(heights) + 4u * azimuths * std::size_t(height) + 8;
-    const std::size_t each =
-        8 * posts + 8u * std::size_t((width - 1) * (height - 1)) + 8 * texels(cells);
+    const std::size_t once = (8 + 16 + 8) * posts + 4u * azimuths * std::size_t(height) + 8;
+    const std::size_t each = 8 * posts + 8u * std::size_t((width - 1) * (height - 1));
     for (const unsigned bounces : {1u, 3u})
     {
         const osg::ref_ptr<TileLight> lighting = lit(context->state(), int(bounces));
         EXPECT_EQ(lighting->bytes(), bytesWithoutBounces + once + bounces * each) << bounces;
         const std::map<std::string, unsigned> expected = {
-            {"horizon", 1}, {"sky", 1},        {"sun", 1},          {"shade", 1},
-            {"pyramid", 1}, {"sent", bounces}, {"bounce", bounces}, {"compose", 1}};
+            {"horizon", 1},    {"sky", 1},          {"sun", 1},    {"shade", 1},
+            {"sent", bounces}, {"bounce", bounces}, {"compose", 1}};
         EXPECT_EQ(runsOf(*lighting), expected) << bounces;
         lighting->releaseGLObjects(&context->state());
     }

@@ -129,11 +129,38 @@ gather gather-start 's/slice\.moments = sliceMoments\(plane/slice.moments = slic
 gather gather-outward 's/slice\.moments\.y - next\.moments\.y/next.moments.y - slice.moments.y/'
 gather gather-last 's/slope > slice\.highest \? sent : slice\.last/sent/'
 gather gather-crest 's/addSegment\(slice, cap,/addSegment(slice, slice.highest,/'
-mutate gather-count lib/gather.glsl 's/next\.upward = vec3\(.*\);/next.upward = slice.upward;/' \
-  'gpu_tests:BounceClosedForm.SubsampledBowl'
 gather legendre-start 's/occlusionBelow\(risingDirection\(plane\)\)/occlusionBelow(vec2(1.0, 0.0))/'
 gather legendre-weight 's/ \/ weight//'
 gather legendre-below 's/next\.below - slice\.below/next.below/'
+
+# The history of a line, and the sweep that keeps it.
+history()
+{
+  mutate "$1" lib/line_history.glsl "$2" gpu_tests:ShaderFunctions.LineHistory
+}
+history history-void 's/VOID_HEIGHT, real\(-1\.0\)/real(0.0), real(-1.0)/'
+history history-rise 's/max\(rise, LEAST_RISE \* stepLength\)/LEAST_RISE * stepLength/'
+history history-least 's/max\(rise, LEAST_RISE \* stepLength\)/rise/'
+history history-join 's/farther\.light \+ nearer\.light/farther.light/'
+history history-end 's/\? farther\.end : nearer\.end/? nearer.end : farther.end/'
+history history-place 's/position - passed\.end\.y/position/'
+mutate gather-received lib/gather.glsl 's/slice\.outward \* along/slice.upward * along/' \
+  gpu_tests:ShaderFunctions.LineHistory
+sweep()
+{
+  mutate "$1" passes/bounce_sweep.comp "$2" "gpu_tests:BounceClosedForm.*:Bounce.*"
+}
+sweep bounce-look 's/line\.look > 0 \? line\.length\.x - 1 - walked : walked/walked/'
+sweep bounce-late 's/int passed = walked - NEAR/int passed = walked/'
+sweep bounce-segment 's/float\(walked - 1\), ground/float(walked), ground/'
+sweep bounce-void 's/!isVoid\(before\) \&\& //'
+sweep bounce-room 's/counts\[level\] -= leaves \? 2 : 0/counts[level] -= leaves ? 1 : 0/'
+sweep bounce-oldest 's/history\[oldest \+ i\] = history\[oldest \+ i \+ 2\]/history[oldest + i] = history[oldest + i]/'
+sweep bounce-nearest 's/counts\[0\] = ENTRIES;/counts[0] = 0;/'
+sweep bounce-sum 's/sum \+ vec4\(receive/vec4(receive/'
+sweep bounce-own 's/raisedSlope\(plane, own \/ receiver\.stepLength, receiver\.cap\)/plane/'
+mutate bounce-own-cell passes/bounce_own.comp 's/quadrant\.x \+ 2 \* quadrant\.y/quadrant.y + 2 * quadrant.x/' \
+  "gpu_tests:BounceClosedForm.*:Bounce.*"
 
 [[ $count -gt 0 ]] || complain "no mutation of the name ${wanted[*]}"
 echo "$count mutations, $failed failed"

@@ -949,7 +949,6 @@ TEST(DynamicTerrain, TwoThousandFramesLeaveNothingBehind)
     osg::ref_ptr<TerrainLighting> lighting = litTerrain(terrain);
     LightingSettings settings = lighting->getSettings();
     settings.bounces = 1;
-    settings.subsampling = 2;
     lighting->setSettings(settings);
     ScenePicture picture(lighting, reach);
     picture.draw(warmUp);

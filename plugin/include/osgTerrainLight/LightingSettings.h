@@ -62,11 +62,8 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
     /// Number of bounces of diffuse light between slopes, 0 … 8.
     int bounces = 0;
     BounceMethod bounceMethod = BounceMethod::Slices;
-    /// Bounced light from terrain that is farther than two posts is computed at every 1st, 2nd or
-    /// 4th post in both directions only. Nearer terrain, normals and horizons are those of each
-    /// post. A bounce takes a third or a sixth of the time (docs/methods/bounces.md has errors and
-    /// memory). With the Legendre methods this is so for all light, direct light, too. Gloss is
-    /// computed at every post.
+    /// The Legendre methods compute all light, direct light too, at every 1st, 2nd or 4th post in
+    /// both directions only, and shade it with the normals of all posts. Slices does not use it.
     int subsampling = 1;
     /// While only the light changes, bounces are computed in every n-th update, 1 … 16; between
     /// these, the last bounces are added to new direct light (Nowrouzezahrai and Snyder 2009,

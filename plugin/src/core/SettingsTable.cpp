@@ -199,8 +199,8 @@ const std::vector<Setting<LightingSettings>>& settingsOf()
             "(Nowrouzezahrai and Snyder 2009)."),
         row("subsampling", &S::subsampling, whole(1, 4, Kind::PowerOfTwo), Topic::Bounces,
             I::Transport,
-            "Bounced light from distant terrain is computed at every N-th post only; with the "
-            "Legendre methods direct light is, too."),
+            "The Legendre methods compute light at every N-th post only. The default method "
+            "does not use it."),
         row("bounce-interval", &S::bounceInterval, whole(1, 16), Topic::Bounces, I::Pace,
             "While only light changes, bounces are computed in every N-th update. The result is "
             "exact as soon as the light stands still.",

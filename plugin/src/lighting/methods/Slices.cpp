@@ -47,20 +47,23 @@ void Slices::declareDirect(WorkGraph::Nodes& nodes, Resource* direct, int bounce
     _light = direct;
     _lightOfGloss = lightOfGloss;
     _gloss = nullptr;
+    _pyramid = nullptr;
     _rays = nullptr;
     _first = _next = nullptr;
     if (bounces > 0)
     {
-        _pyramid = new PyramidNode(*_surface);
-        _pyramid->follows(_inputs->settingsValue);
-        nodes.emplace_back(_pyramid);
-        const LightingSettings& settings = _inputs->settings;
-        _rays = new BounceRays(*_pyramid, BounceScheme::of(settings.quality), settings.azimuths);
-        osg::ref_ptr<Resource> far; // all bounces use it in turn
-        if (settings.subsampling > 1)
-            far = new Resource("far light", Gather::farLayout(*_surface, settings));
-        _first = new Gather(*_inputs, *_surface, _rays, _lights, horizon(), far, true);
-        _next = new Gather(*_inputs, *_surface, _rays, {}, horizon(), far, false);
+        const int azimuths = _inputs->settings.azimuths;
+        const SweepScratch scratch(*_surface, azimuths);
+        _first = new BounceSweep(*_inputs, *_surface, _lights, horizon(), scratch, true);
+        _next = new BounceSweep(*_inputs, *_surface, {}, horizon(), scratch, false);
+        if (_inputs->isGlossy())
+        {
+            _pyramid = new PyramidNode(*_surface);
+            _pyramid->follows(_inputs->settingsValue);
+            nodes.emplace_back(_pyramid);
+            _rays = new BounceRays(*_pyramid, BounceScheme::of(_inputs->settings.quality), azimuths,
+                                   scratch.stepLengths);
+        }
     }
     nodes.emplace_back(new ShadeNode(*_inputs, *_surface, skyView(), _lights, direct));
     if (_inputs->isGlossy())
@@ -83,15 +86,17 @@ void Slices::declareGloss(WorkGraph::Nodes& nodes)
 osg::ref_ptr<Resource> Slices::declareBounce(WorkGraph::Nodes& nodes)
 {
     const bool isFirst = _bounce++ == 0;
-    _sent = isFirst ? new SentNode(*_inputs, *_surface, *_rays, _lights, horizon())
-                    : new SentNode(*_inputs, *_surface, *_rays, _light);
+    _sent = isFirst ? new SentNode(*_inputs, *_surface, _lights, horizon())
+                    : new SentNode(*_inputs, *_surface, _light);
+    if (_gloss)
+        _sent->addPyramid(_rays->cells());
     if (_gloss && !_gloss->isVector())
         _sent->addGloss(*_gloss, _exit);
     nodes.emplace_back(_sent);
     const osg::ref_ptr<Resource> light =
         new Resource("light of a bounce", _surface->perPost(GL_RGBA16F_ARB));
-    const osg::ref_ptr<BounceNode> bounce = new BounceNode(
-        *_surface, *_pyramid, isFirst ? _first : _next, _sent, horizon(), _light, light);
+    const osg::ref_ptr<BounceNode> bounce =
+        new BounceNode(*_surface, isFirst ? _first : _next, _sent, horizon(), _light, light);
     if (isFirst)
         bounce->followsLight(*_inputs, _lights);
     nodes.emplace_back(bounce);

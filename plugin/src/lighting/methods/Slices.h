@@ -2,6 +2,7 @@
 
 #include "lighting/methods/Method.h"
 #include "lighting/nodes/BounceNode.h"
+#include "lighting/nodes/BounceRays.h"
 #include "lighting/nodes/GlossNode.h"
 #include "lighting/nodes/PyramidNode.h"
 #include "lighting/nodes/SentNode.h"
@@ -42,9 +43,9 @@ private:
 
     // Of the last declareDirect().
     int _bounces = 0, _bounce = 0; ///< all, and those that are declared
-    osg::ref_ptr<PyramidNode> _pyramid;
+    osg::ref_ptr<BounceSweep> _first, _next;
+    osg::ref_ptr<PyramidNode> _pyramid; ///< null where nothing is glossy, like _rays
     osg::ref_ptr<BounceRays> _rays;
-    osg::ref_ptr<Gather> _first, _next;
     osg::ref_ptr<Resource> _light; ///< direct, then of the last bounce
     osg::ref_ptr<Resource> _lightOfGloss;
     osg::ref_ptr<GlossWork> _gloss; ///< null where nothing is glossy

@@ -11,7 +11,7 @@
 namespace osgTerrainLight
 {
 
-/// How a bounce samples the terrain that a post sees. docs/ARCHITECTURE.md has the measurements.
+/// How light of gloss, and light by Legendre, samples the terrain that a post sees.
 struct BounceScheme
 {
     /// Samples per doubling of the distance, 1 … 16: the level step k of Nowrouzezahrai and Snyder
@@ -41,7 +41,9 @@ std::vector<BounceSample> bounceSamples(const BounceScheme& scheme, int reach, i
 class BounceRays : public GpuWork
 {
 public:
-    BounceRays(const PyramidNode& pyramid, const BounceScheme& scheme, int azimuths);
+    /// stepLengths: as createStepLengths() makes it.
+    BounceRays(const PyramidNode& pyramid, const BounceScheme& scheme, int azimuths,
+               Resource* stepLengths);
 
     /// Sets the surface's own, heightPyramid, stepLengths, the block Rays, and the levels of both
     /// pyramids.
@@ -52,13 +54,12 @@ public:
 
 private:
     ~BounceRays() override = default;
-    osg::ref_ptr<osg::Texture> createStepLengths() const;
 
     osg::ref_ptr<const PyramidNode> _pyramid;
     PyramidLayout _cells;
     int _azimuths;
     std::vector<BounceSample> _samples;
-    Resource* _stepLengths; ///< R32F [m]: ground length of a step of azimuth x in row y
+    Resource* _stepLengths;
 };
 
 } // namespace osgTerrainLight

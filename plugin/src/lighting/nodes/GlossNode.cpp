@@ -35,7 +35,7 @@ GlossWork::GlossWork(const TileInputs& inputs, const TileSurface& surface, Bounc
 {
     own(inputs.materialTexture.get());
     if (rays)
-        rays->bind(*_gather); // nodes of diffuse bounces own them
+        own(rays)->bind(*_gather);
     for (GpuPass* pass : {_direct, _gather})
     {
         surface.bind(*pass);

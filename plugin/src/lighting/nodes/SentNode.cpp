@@ -7,15 +7,13 @@
 namespace osgTerrainLight
 {
 
-SentNode::SentNode(const TileInputs& inputs, const TileSurface& surface, const BounceRays& rays,
+SentNode::SentNode(const TileInputs& inputs, const TileSurface& surface,
                    std::vector<std::string> defines)
-    : Node("sent"), _inputs(&inputs), _surface(&surface), _cells(rays.cells()),
+    : Node("sent"), _inputs(&inputs), _surface(&surface),
       _radiance(writes(
           own(new Resource("sent light", {std::max(1, surface.width() - 1),
                                           std::max(1, surface.height() - 1), 0, GL_RGBA16F_ARB})))),
-      _pyramid(writes(own(new Resource("sent light, far", _cells.texture(GL_RGBA16F_ARB))))),
-      _pass(own(new GpuPass("radiance", std::move(defines)))),
-      _first(own(new GpuPass("pyramid", {"FROM_CELLS"}))), _next(own(new GpuPass("pyramid")))
+      _pass(own(new GpuPass("radiance", std::move(defines))))
 {
     reads(surface.heights());
     reads(own(inputs.albedoTexture.get()));
@@ -24,9 +22,9 @@ SentNode::SentNode(const TileInputs& inputs, const TileSurface& surface, const B
     _pass->writes(0, _radiance);
 }
 
-SentNode::SentNode(const TileInputs& inputs, const TileSurface& surface, const BounceRays& rays,
-                   const LightSources& lights, Resource* horizon)
-    : SentNode(inputs, surface, rays, std::vector<std::string>{"DIRECT"})
+SentNode::SentNode(const TileInputs& inputs, const TileSurface& surface, const LightSources& lights,
+                   Resource* horizon)
+    : SentNode(inputs, surface, std::vector<std::string>{"DIRECT"})
 {
     _ofDirect = true;
     _lights = lights;
@@ -41,12 +39,19 @@ SentNode::SentNode(const TileInputs& inputs, const TileSurface& surface, const B
     _pass->set("azimuths", inputs.settings.azimuths);
 }
 
-SentNode::SentNode(const TileInputs& inputs, const TileSurface& surface, const BounceRays& rays,
-                   Resource* light)
-    : SentNode(inputs, surface, rays, std::vector<std::string>{})
+SentNode::SentNode(const TileInputs& inputs, const TileSurface& surface, Resource* light)
+    : SentNode(inputs, surface, std::vector<std::string>{})
 {
     reads(light, surface.perPost(GL_RGBA16F_ARB));
     _pass->reads("light", light);
+}
+
+void SentNode::addPyramid(const PyramidLayout& cells)
+{
+    _cells = cells;
+    _pyramid = writes(own(new Resource("sent light, far", cells.texture(GL_RGBA16F_ARB))));
+    _first = own(new GpuPass("pyramid", {"FROM_CELLS"}));
+    _next = own(new GpuPass("pyramid"));
 }
 
 void SentNode::addGloss(const GlossWork& gloss, Resource* exit)
@@ -64,7 +69,9 @@ Status SentNode::run(osg::State& state)
     Status done = _pass->dispatch(state, _surface->groups());
     if (done && _addGloss)
         done = _addGloss->dispatch(state, _surface->groups());
-    return done ? reducePyramid(state, _cells, *_first, _radiance, 0, *_next, _pyramid) : done;
+    if (done && _pyramid)
+        done = reducePyramid(state, _cells, *_first, _radiance, 0, *_next, _pyramid);
+    return done;
 }
 
 } // namespace osgTerrainLight

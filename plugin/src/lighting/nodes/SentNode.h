@@ -3,26 +3,26 @@
 #include "gpu/WorkGraph.h"
 #include "lighting/TileInputs.h"
 #include "lighting/TileSurface.h"
-#include "lighting/nodes/BounceRays.h"
 #include "lighting/nodes/GlossNode.h"
+#include "lighting/nodes/PyramidLayout.h"
 #include "lighting/sources/LightSource.h"
 
 namespace osgTerrainLight
 {
 
-/// What cells between posts send out diffusely in one bounce, near and, coarser and coarser, far:
-/// shaders/passes/radiance.comp.
+/// What cells between posts send out diffusely in one bounce: shaders/passes/radiance.comp.
 class SentNode : public Node
 {
 public:
     /// Of direct light, which is found anew for the faces of cells. horizon: of HorizonNode, all
     /// around.
-    SentNode(const TileInputs& inputs, const TileSurface& surface, const BounceRays& rays,
-             const LightSources& lights, Resource* horizon);
+    SentNode(const TileInputs& inputs, const TileSurface& surface, const LightSources& lights,
+             Resource* horizon);
     /// Of the light of the bounce before, a texel per post.
-    SentNode(const TileInputs& inputs, const TileSurface& surface, const BounceRays& rays,
-             Resource* light);
+    SentNode(const TileInputs& inputs, const TileSurface& surface, Resource* light);
 
+    /// Also writes pyramid().
+    void addPyramid(const PyramidLayout& cells);
     /// Cells also send what their corners' gloss sends towards one viewer.
     void addGloss(const GlossWork& gloss, Resource* exit);
 
@@ -30,12 +30,12 @@ public:
 
     /// RGBA16F, cell (x, y) between posts x, x + 1, y, y + 1: rgb = radiance, a > 0 where valid.
     Resource* radiance() const { return _radiance; }
-    /// RGBA16F: radiance times weight, weight; levels as BounceRays::cells() has them.
+    /// RGBA16F: radiance times weight, weight, coarser and coarser; null without addPyramid().
     Resource* pyramid() const { return _pyramid; }
 
 private:
     ~SentNode() override = default;
-    SentNode(const TileInputs& inputs, const TileSurface& surface, const BounceRays& rays,
+    SentNode(const TileInputs& inputs, const TileSurface& surface,
              std::vector<std::string> defines);
 
     osg::ref_ptr<const TileInputs> _inputs;
@@ -43,8 +43,11 @@ private:
     PyramidLayout _cells;
     bool _ofDirect = false;
     LightSources _lights;
-    Resource *_radiance, *_pyramid;
-    GpuPass *_pass, *_first, *_next;
+    Resource* _radiance;
+    Resource* _pyramid = nullptr;
+    GpuPass* _pass;
+    GpuPass* _first = nullptr; ///< level of the pyramid, and the next ones
+    GpuPass* _next = nullptr;
     GpuPass* _addGloss = nullptr;
 };
 

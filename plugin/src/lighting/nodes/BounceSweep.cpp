@@ -1,0 +1,97 @@
+#include "lighting/nodes/BounceSweep.h"
+
+#include "gpu/GlConstants.h"
+#include "lighting/nodes/AzimuthRays.h"
+
+#include <algorithm>
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+constexpr int group = 32; // lines, as bounce_sweep.comp has it
+constexpr int mostLevels = 13;
+} // namespace
+
+SweepScheme SweepScheme::of(HorizonQuality quality, int width, int height)
+{
+    SweepScheme scheme{4, 5};
+    if (quality == HorizonQuality::Draft)
+        scheme.entries = 2;
+    if (quality == HorizonQuality::Best)
+        scheme.entries = 8;
+    const int steps = std::max(width, height);
+    while (scheme.levels < mostLevels && scheme.entries * ((1 << scheme.levels) - 1) < steps)
+        scheme.levels += 2;
+    return scheme;
+}
+
+std::vector<std::string> SweepScheme::defines() const
+{
+    return {"ENTRIES " + std::to_string(entries), "LEVELS " + std::to_string(levels)};
+}
+
+SweepScratch::SweepScratch(const TileSurface& surface, int azimuths)
+    : stepLengths(createStepLengths(surface, azimuths)),
+      gradients(new Resource("gradients", surface.perPost(GL_RG32F))),
+      sums(new Resource("sums of slices", surface.perPost(GL_RGBA32F_ARB)))
+{
+}
+
+BounceSweep::BounceSweep(const TileInputs& inputs, const TileSurface& surface,
+                         const LightSources& lights, Resource* horizon, const SweepScratch& scratch,
+                         bool first)
+    : _surface(&surface), _lights(first ? lights : LightSources()), _isFirst(first),
+      _scheme(SweepScheme::of(inputs.settings.quality, surface.width(), surface.height())),
+      _own(own(new GpuPass("bounce_own"))), _sweep(own(new GpuPass("bounce_sweep"))),
+      _finish(own(new GpuPass("bounce_finish")))
+{
+    own(inputs.albedoTexture.get());
+    for (Resource* resource : {scratch.stepLengths, scratch.gradients, scratch.sums})
+        own(resource);
+    const int azimuths = inputs.settings.azimuths;
+    const std::vector<osg::Vec4f> rays = azimuthRays(surface.tile(), azimuths);
+    for (int k = 0; k < azimuths; ++k)
+        _lines.push_back(lineCount(surface.tile(), rays[static_cast<std::size_t>(k)]));
+    for (GpuPass* pass : {_own, _sweep})
+    {
+        surface.bind(*pass);
+        pass->setBlock(rays);
+        pass->set("azimuths", azimuths);
+        pass->reads("horizon", horizon);
+        pass->reads("albedo", inputs.albedoTexture);
+        pass->reads("stepLengths", scratch.stepLengths);
+        pass->writes(0, scratch.sums, GpuPass::Access::ReadWrite);
+    }
+    _own->writes(1, scratch.gradients);
+    _sweep->reads("gradients", scratch.gradients);
+    surface.bind(*_finish);
+    _finish->reads("sums", scratch.sums);
+}
+
+Status BounceSweep::dispatch(osg::State& state, const SentNode& sent, Resource* before,
+                             Resource* light)
+{
+    bindLights(*_own, _lights,
+               _isFirst ? std::vector<std::string>{"DIRECT"} : std::vector<std::string>{});
+    _own->reads(_isFirst ? "direct" : "lastLight", before);
+    Status done = _own->dispatch(state, _surface->groups());
+
+    // Cells have what other lights give; of the sun they have the mean.
+    LightSources single;
+    for (const auto& source : _lights)
+        if (source->variesInCells())
+            single.push_back(source);
+    bindLights(*_sweep, single, _scheme.defines());
+    _sweep->reads("radiance", sent.radiance());
+    for (std::size_t k = 0; done && k < _lines.size(); ++k)
+    {
+        _sweep->set("azimuth", static_cast<int>(k));
+        done = _sweep->dispatch(state, {GpuPass::groupsFor(_lines[k], group), 1, 1});
+    }
+    _finish->writes(0, light);
+    return done ? _finish->dispatch(state, _surface->groups()) : done;
+}
+
+} // namespace osgTerrainLight

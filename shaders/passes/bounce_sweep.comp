@@ -1,0 +1,311 @@
+// One azimuth of a bounce of diffuse light: one invocation walks one line, away from where it
+// looks, and keeps what it has passed in a history that coarsens with distance
+// (lib/line_history.glsl). A post asks the nearest line, which stands up to half a post beside it;
+// so its first NEAR steps it sees on its own ray, and ground enters the history NEAR steps late.
+//
+// Which entries a history has depends on the steps that a group has walked, and on nothing else, so
+// that its lines run alike: what is void, or not the tile's, enters as a piece without ground. All
+// reads of the history have constant indices: a processor that runs lanes in step would gather.
+layout(local_size_x = 32) in;
+
+uniform sampler2D heights;      // R32F [m], framed by `frame` void posts, row 0 south
+uniform sampler2D stepLengths;  // R32F [m]: ground length of a step of azimuth x in row y
+uniform sampler2D radiance;     // of radiance.comp
+uniform sampler2D gradients;    // of bounce_own.comp
+uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k/m from east
+#ifdef SUN
+uniform sampler2D albedo;       // one texel per post, or one for all
+uniform sampler2D eastSpacings; // R32F [m], one texel per row
+uniform float northSpacing;     // [m]
+#endif
+layout(rgba32f, binding = 0) uniform image2D sums; // irradiance; each post is one line's
+
+uniform ivec2 size; // posts
+uniform int frame;
+uniform int azimuths;
+uniform int azimuth; // of this dispatch
+layout(std140, binding = 0) uniform Rays
+{
+    vec4 directions[256]; // drift along the minor axis per step, look, 1 where north, -
+};
+
+const int NEAR = 4;
+const int BLOCK = 4; // steps in which level 1 gets two pieces
+
+// Level l of a history holds up to ENTRIES pieces, oldest first, of 2^l steps. Two pieces of a full
+// level are joined to one of the next.
+Passed history[LEVELS * ENTRIES];
+int counts[LEVELS];
+Passed joined; // that leaves a level
+bool leaves;
+
+// What is done for levels from 2 on, written out.
+#if LEVELS == 5
+#define FROM_LEVEL_2(f) f(2) f(3) f(4)
+#elif LEVELS == 7
+#define FROM_LEVEL_2(f) f(2) f(3) f(4) f(5) f(6)
+#elif LEVELS == 9
+#define FROM_LEVEL_2(f) f(2) f(3) f(4) f(5) f(6) f(7) f(8)
+#elif LEVELS == 11
+#define FROM_LEVEL_2(f) f(2) f(3) f(4) f(5) f(6) f(7) f(8) f(9) f(10)
+#elif LEVELS == 13
+#define FROM_LEVEL_2(f) f(2) f(3) f(4) f(5) f(6) f(7) f(8) f(9) f(10) f(11) f(12)
+#endif
+
+// A line of the azimuth, and where it is over the tile, half a post around it included.
+struct Line
+{
+    GridRay ray;
+    float drift; // along the minor axis per step of the major axis towards +
+    float shift; // of the first line
+    int number;  // stands at minor coordinate number - shift + drift * i over major coordinate i
+    bool north;
+    int look;
+    ivec2 length;  // posts along the major and the minor axis
+    int first;     // steps walked, from the row or column that is farthest in view
+    int last;
+};
+
+Line lineOf(int number)
+{
+    vec4 direction = directions[azimuth];
+    Line line;
+    line.drift = direction.x;
+    line.look = int(direction.y);
+    line.north = direction.z != 0.0;
+    line.ray = gridRay(line.drift, line.look, line.north);
+    line.length = line.north ? size.yx : size;
+    line.shift = max(line.drift, 0.0) * float(line.length.x - 1);
+    line.number = number;
+    float start = float(number) - line.shift;
+    float below = -0.999 - start;
+    float above = float(line.length.y) - 0.001 - start;
+    int low = 0;
+    int high = line.length.x - 1;
+    if (abs(line.drift) > 1.0e-6)
+    {
+        low = max(low, int(ceil(min(below / line.drift, above / line.drift))));
+        high = min(high, int(floor(max(below / line.drift, above / line.drift))));
+    }
+    else if (below > 0.0 || above < 0.0)
+        high = -1;
+    line.first = line.look > 0 ? line.length.x - 1 - high : low;
+    line.last = line.look > 0 ? line.length.x - 1 - low : high;
+    return line;
+}
+
+int majorAt(Line line, int walked)
+{
+    return line.look > 0 ? line.length.x - 1 - walked : walked;
+}
+
+// Minor coordinate over a major one. Beside the tile it is that of the tile's last posts.
+float minorAt(Line line, float major)
+{
+    float minor = float(line.number) - line.shift + line.drift * major;
+    return clamp(minor, 0.0, float(line.length.y - 1));
+}
+
+ivec2 postAt(Line line, int major, int minor)
+{
+    return line.north ? ivec2(minor, major) : ivec2(major, minor);
+}
+
+Length heightAt(Line line, int major)
+{
+    float minor = minorAt(line, float(major));
+    int whole = min(int(floor(minor)), max(line.length.y - 2, 0));
+    ivec2 post = postAt(line, major, whole) + frame;
+    return crossingHeight(postHeight(heights, post), postHeight(heights, post + line.ray.minor),
+                          minor - float(whole));
+}
+
+// rgb = radiance of the cell at a place; a > 0 where it is valid.
+vec4 sentAt(vec2 place)
+{
+    ivec2 cell = clamp(ivec2(floor(place)), ivec2(0), size - 2);
+    vec4 sent = texelFetch(radiance, cell, 0);
+#ifdef SUN
+    // With the sun's light of that place of the cell instead of the cell's mean.
+    vec2 inside = clamp(place - vec2(cell), 0.0, 1.0);
+    vec4 corners;
+    for (int i = 0; i < 4; ++i)
+        corners[i] = postHeight(heights, cell + ivec2(i % 2, i / 2) + frame);
+    Length east = texelFetch(eastSpacings, ivec2(0, cell.y), 0).x;
+    float share = sunInCell(cell, inside,
+                            cellNormal(corners, inside.x, inside.y, east, northSpacing));
+    ivec2 nearest = min(cell + ivec2(inside + 0.5), textureSize(albedo, 0) - 1);
+    vec3 more = texelFetch(albedo, nearest, 0).rgb * sunIrradiance * (share - sent.a);
+    sent.rgb = sent.a > 0.0 ? max(sent.rgb + more, 0.0) : vec3(0.0);
+#endif
+    return sent;
+}
+
+// The step of ground that ends at a position; `before` [m]: its farther end.
+Passed passedAt(Line line, int walked, Length before, Length height, Length stepLength)
+{
+    float middle = float(majorAt(line, walked)) + 0.5 * float(line.look);
+    float beside = minorAt(line, middle);
+    vec4 sent = sentAt(line.north ? vec2(beside, middle) : vec2(middle, beside));
+    bool ground = !isVoid(before) && !isVoid(height) && sent.a > 0.0;
+    Passed passed = passedStep(before, float(walked - 1), ground ? before - height : 0.0, sent.rgb,
+                               stepLength);
+    if (!ground)
+        passed = passedNothing();
+    return passed;
+}
+
+void clearLevel(const int level)
+{
+    for (int i = 0; i < ENTRIES; ++i)
+        history[level * ENTRIES + i] = passedNothing();
+    counts[level] = 0;
+}
+
+// Joins the two oldest pieces of a level, which leave it where it is full and needs room.
+void makeRoom(const int level, bool needed, Length stepLength)
+{
+    const int oldest = level * ENTRIES;
+    leaves = needed && counts[level] == ENTRIES;
+    joined = joinPassed(history[oldest], history[oldest + 1], stepLength);
+    for (int i = 0; i < ENTRIES; ++i)
+    {
+        if (leaves && i < ENTRIES - 2)
+            history[oldest + i] = history[oldest + i + 2];
+        if (leaves && i >= ENTRIES - 2)
+            history[oldest + i].end = vec2(VOID_HEIGHT, -1.0);
+    }
+    counts[level] -= leaves ? 2 : 0;
+}
+
+void enter(const int level, Passed passed, bool enters)
+{
+    for (int i = 0; i < ENTRIES; ++i)
+        if (enters && counts[level] == i)
+            history[level * ENTRIES + i] = passed;
+    counts[level] += enters ? 1 : 0;
+}
+
+// What leaves the level before enters this one.
+void moveUp(const int level, Length stepLength)
+{
+    Passed passed = joined;
+    bool enters = leaves;
+    makeRoom(level, enters, stepLength);
+    enter(level, passed, enters);
+}
+
+// A post that looks along its slice.
+struct Receiver
+{
+    Length here;
+    int walked;
+    Length stepLength;
+    Slope cap; // slope of the horizon
+    float width;
+};
+
+// The pieces of a level, nearest first. In two loops, so that compilers write them out.
+SliceGather addLevel(SliceGather slice, const int level, Receiver receiver)
+{
+    const int oldest = level * ENTRIES;
+    for (int i = ENTRIES - 1; i >= ENTRIES / 2; --i)
+        slice = addPassed(slice, history[oldest + i], receiver.here, float(receiver.walked),
+                          receiver.stepLength, receiver.cap, receiver.width);
+    for (int i = ENTRIES / 2 - 1; i >= 0; --i)
+        slice = addPassed(slice, history[oldest + i], receiver.here, float(receiver.walked),
+                          receiver.stepLength, receiver.cap, receiver.width);
+    return slice;
+}
+
+vec3 receive(Line line, ivec2 post, int walked)
+{
+    Receiver receiver;
+    receiver.here = postHeight(heights, post + frame);
+    receiver.walked = walked;
+    receiver.stepLength = texelFetch(stepLengths, ivec2(azimuth, post.y), 0).x;
+    receiver.cap = slopeOfCode(texelFetch(horizon, ivec3(post, azimuth), 0).x);
+    receiver.width = 2.0 * PI / float(azimuths);
+    float cosine = cos(receiver.width * float(azimuth));
+    float sine = sin(receiver.width * float(azimuth));
+    vec2 gradient = texelFetch(gradients, post, 0).xy;
+    vec3 normal = normalize(vec3(-gradient, 1.0));
+
+    // The own cell's light is there already (bounce_own.comp); what it sends beside the post stands
+    // in where nothing else is seen up to the crest.
+    Slope plane = gradient.x * cosine + gradient.y * sine;
+    Slope own = ownCellSlope(heights, post + frame, receiver.here, line.ray);
+    vec3 sent = sentAt(vec2(post) + 0.01 * line.ray.step).rgb;
+    SliceGather slice = startGather(raisedSlope(plane, own / receiver.stepLength, receiver.cap),
+                                    sent, receiver.width);
+    for (int i = 1; i <= NEAR; ++i)
+    {
+        Length height = heightAtStep(heights, post, line.ray, i, size, frame);
+        sent = sentAt(vec2(post) + (float(i) - 0.5) * line.ray.step).rgb;
+        Slope slope = (height - receiver.here) / (float(i) * receiver.stepLength);
+        slice = addSegment(slice, slope, sent, receiver.cap, receiver.width);
+    }
+#define ADD_LEVEL(level) slice = addLevel(slice, level, receiver);
+    ADD_LEVEL(0)
+    ADD_LEVEL(1)
+    FROM_LEVEL_2(ADD_LEVEL)
+    slice = closeGather(slice, receiver.cap, receiver.width);
+    return received(slice, normal, cosine, sine);
+}
+
+// The post that asks the line there, if any. Which line a post asks follows from the post, so that
+// rounding cannot give it two or none.
+void serve(Line line, int walked)
+{
+    int major = majorAt(line, walked);
+    float drifted = line.drift * float(major);
+    int minor = int(floor(float(line.number) - line.shift + drifted));
+    if (int(floor(float(minor) - drifted + line.shift + 0.5)) != line.number)
+        ++minor;
+    if (minor < 0 || minor >= line.length.y ||
+        int(floor(float(minor) - drifted + line.shift + 0.5)) != line.number)
+        return;
+    ivec2 post = postAt(line, major, minor);
+    if (isVoid(postHeight(heights, post + frame)))
+        return;
+    vec4 sum = imageLoad(sums, post);
+    imageStore(sums, post, sum + vec4(receive(line, post, walked), 0.0));
+}
+
+void main()
+{
+    Line line = lineOf(int(gl_GlobalInvocationID.x));
+    // Lines side by side are over the tile one after the other: of a group, the first and the last
+    // have the extremes.
+    Line one = lineOf(int(gl_WorkGroupID.x * gl_WorkGroupSize.x));
+    Line other = lineOf(int((gl_WorkGroupID.x + 1u) * gl_WorkGroupSize.x) - 1);
+    int begin = min(one.first, other.first);
+    int end = max(one.last, other.last);
+    Length stepLength = texelFetch(stepLengths, ivec2(azimuth, size.y / 2), 0).x;
+
+#define CLEAR_LEVEL(level) clearLevel(level);
+    CLEAR_LEVEL(0)
+    CLEAR_LEVEL(1)
+    FROM_LEVEL_2(CLEAR_LEVEL)
+    counts[0] = ENTRIES; // of nothing, so that level 1 is full only where a block begins
+    Length before = VOID_HEIGHT;
+    for (int block = begin; block <= end; block += BLOCK)
+    {
+        makeRoom(1, true, stepLength);
+#define MOVE_UP(level) moveUp(level, stepLength);
+        FROM_LEVEL_2(MOVE_UP)
+        for (int walked = block; walked < block + BLOCK; ++walked)
+        {
+            int passed = walked - NEAR;
+            bool inside = passed >= line.first && passed <= line.last;
+            Length height = inside ? heightAt(line, majorAt(line, passed)) : VOID_HEIGHT;
+            Passed step = passedAt(line, passed, before, height, stepLength);
+            before = height;
+            makeRoom(0, true, stepLength);
+            enter(0, step, true);
+            enter(1, joined, leaves);
+            if (walked >= line.first && walked <= line.last)
+                serve(line, walked);
+        }
+    }
+}
