@@ -134,16 +134,16 @@ gather legendre-weight 's/ \/ weight//'
 gather legendre-below 's/next\.below - slice\.below/next.below/'
 
 # The history of a line, and the sweep that keeps it.
-history()
+passed()
 {
   mutate "$1" lib/line_history.glsl "$2" gpu_tests:ShaderFunctions.LineHistory
 }
-history history-void 's/VOID_HEIGHT, real\(-1\.0\)/real(0.0), real(-1.0)/'
-history history-rise 's/max\(rise, LEAST_RISE \* stepLength\)/LEAST_RISE * stepLength/'
-history history-least 's/max\(rise, LEAST_RISE \* stepLength\)/rise/'
-history history-join 's/farther\.light \+ nearer\.light/farther.light/'
-history history-end 's/\? farther\.end : nearer\.end/? nearer.end : farther.end/'
-history history-place 's/position - passed\.end\.y/position/'
+passed history-void 's/VOID_HEIGHT, real\(-1\.0\)/real(0.0), real(-1.0)/'
+passed history-rise 's/max\(rise, LEAST_RISE \* stepLength\)/LEAST_RISE * stepLength/'
+passed history-least 's/max\(rise, LEAST_RISE \* stepLength\)/rise/'
+passed history-join 's/farther\.light \+ nearer\.light/farther.light/'
+passed history-end 's/\? farther\.end : nearer\.end/? nearer.end : farther.end/'
+passed history-place 's/position - passed\.end\.y/position/'
 mutate gather-received lib/gather.glsl 's/slice\.outward \* along/slice.upward * along/' \
   gpu_tests:ShaderFunctions.LineHistory
 sweep()
