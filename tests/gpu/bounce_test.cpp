@@ -75,8 +75,8 @@ struct Accuracy
     std::function<DemTile()> tile;
     bool shared;
     bool sun;
-    /// Allowed relative root mean square of the sum of three bounces, by the default settings and by
-    /// quality best with 64 azimuths.
+    /// Allowed relative root mean square of the sum of three bounces, by the default settings and
+    /// by quality best with 64 azimuths.
     double normal, best;
 };
 

@@ -317,8 +317,8 @@ TEST(Gloss, CostsNothingWhereThereIsNone)
     const PyramidLayout layout = PyramidLayout::ofPosts(33, 25);
     const auto texels = [](const PyramidLayout& pyramid)
     { return static_cast<std::size_t>(pyramid.width * pyramid.height); };
-    const std::size_t expected = 33u * 25u * (3u * 13u + 2u * 12u + 2u) * 8u + 12u * 8u +
-                                 texels(layout) * 12u * 8u + 8u;
+    const std::size_t expected =
+        33u * 25u * (3u * 13u + 2u * 12u + 2u) * 8u + 12u * 8u + texels(layout) * 12u * 8u + 8u;
     // It also owns the lengths of steps, a float per row and azimuth, which are the bounces', too.
     EXPECT_EQ(stage().bytes, expected + 4u * 25u * static_cast<unsigned>(settings.azimuths));
     // Only gloss reads pyramids: two floats per texel of heights, and for each bounce four half
