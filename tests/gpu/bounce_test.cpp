@@ -266,6 +266,56 @@ TEST(BounceClosedForm, SphericalBowl)
     }
 }
 
+// Two walls of one cell's width across the tile, 4 m high each, the second behind the first. All is
+// black but the second wall, and only the sun shines, in the walls' faces. So a post on the ground
+// before them receives, in every slice that meets the second wall, its radiance between the slopes
+// at which it sees the first wall's top and the second's.
+TEST(BounceClosedForm, AWallBehindAWall)
+{
+    OTL_NEED_GL(context);
+    constexpr int side = 161, foot = 92, behind = 100, column = 80, row = 80;
+    const DemTile tile = analytic::makeTile(
+        side, side, 1.0, [](int x, int) { return x > behind ? 8.0 : (x > foot ? 4.0 : 0.0); });
+    Raster<Rgb> albedo(side, side, Rgb{});
+    for (int y = 0; y < side; ++y)
+        albedo.at(behind, y) = albedo.at(behind + 1, y) = {1.0f, 1.0f, 1.0f};
+    SkyLight sky;
+    sky.skyEnabled = false;
+    sky.sunAzimuth = 270.0;
+    sky.sunElevation = 20.0;
+    LightingSettings settings;
+    settings.bounces = 1;
+    settings.quality = HorizonQuality::Best;
+    settings.azimuths = 64;
+    const auto found = bouncesOf(context->state(), tile, settings, sky, albedo);
+
+    const double pi = std::acos(-1.0);
+    const double elevation = sky.sunElevation * pi / 180.0;
+    const double facing = (4.0 * std::cos(elevation) + std::sin(elevation)) / std::sqrt(17.0);
+    const double radiance = static_cast<double>(sky.sunIrradiance[1]) * facing / pi;
+    double expected = 0.0;
+    for (int k = 0; k < settings.azimuths; ++k)
+    {
+        const double phi = 2.0 * pi * k / settings.azimuths;
+        const double cosine = std::cos(phi);
+        const double across = (behind + 1 - column) * std::tan(phi);
+        if (cosine < 1e-6 || std::abs(across) > row)
+            continue;
+        const auto moment = [&](double height, double away)
+        {
+            const double slope = height * cosine / away;
+            return pi / settings.azimuths / (1.0 + slope * slope);
+        };
+        expected +=
+            radiance * (moment(4.0, foot + 1 - column) - moment(8.0, behind + 1 - column)) / pi;
+    }
+    // Where a line crosses the walls between two steps, it knows their place to a step or two of
+    // 12 and 20, and slices at the walls' ends are in or out.
+    const double light = static_cast<double>(found[0].at(column, row).g());
+    std::cout << "received " << light << ", expected " << expected << '\n';
+    EXPECT_NEAR(light, expected, 0.1 * expected);
+}
+
 // What a bounce brings is at most the albedo times the brightest light before it, times the part of
 // the view that terrain fills: with albedo 1 the sum stays below the sky's own radiance.
 TEST(BounceClosedForm, SeriesConvergesWithinItsBound)
