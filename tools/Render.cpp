@@ -251,7 +251,8 @@ Status run(const CLI::App& app, Options options)
 {
     if (Status read = readSky(app, options.sky, options.skyFile, true); !read)
         return read;
-    refuseIdle(app, idleSettings(options.settings)); // the scene says the rest
+    if (app.get_option("--bounce-method")->count() > 0) // else the scene's counts, which warns
+        refuseIdle(app, idleSettings(options.settings));
     if (const std::string wrong = complaintOfFile(options.scene); !wrong.empty())
         return Error{ErrorCode::Invalid, options.scene + ": " + wrong};
     refuseInputs({options.scene, options.skyFile}, options.output);

@@ -155,6 +155,7 @@ Status run(const CLI::App& app, Options options)
     if (Status read = readSky(app, options.sky, options.skyFile); !read)
         return read;
     const bool chosen = options.maxError || options.maxMilliseconds;
+    refuseIdle(app, idleSettings(options.settings));
     checkProblems(options.settings, options.sky,
                   chosen ? SettingsUse::Choice : SettingsUse::Lighting,
                   options.maxError ? "--max-error"

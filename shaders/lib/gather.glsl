@@ -49,14 +49,13 @@ SliceGather closeGather(SliceGather slice, Slope cap, Angle width)
     return addSegment(slice, cap, slice.last, cap, width);
 }
 
-// Irradiance that the slice's segments give a surface of the normal. Rounding leaves no light below
-// zero.
+// Irradiance that the slice's segments give a surface of the normal. Radiance below 0, as that of
+// harmonics, counts as it is.
 vec3 received(SliceGather slice, vec3 normal, real cosine, real sine)
 {
     GLSL_ASSERT(isUnit(normal) && isUnitPair(cosine, sine));
     real along = normal.x * cosine + normal.y * sine;
-    vec3 light = slice.upward * normal.z + slice.outward * along;
-    return vec3(max(light.x, real(0.0)), max(light.y, real(0.0)), max(light.z, real(0.0)));
+    return slice.upward * normal.z + slice.outward * along;
 }
 
 // In Legendre polynomials, per colour.

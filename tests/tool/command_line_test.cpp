@@ -95,6 +95,7 @@ TEST_F(CommandLine, MistakesExitWith2AndNameWhatIsWrong)
         {"shade in.tif out.tif --sky-radiance 1,1", {"--sky-radiance", "one number or three"}},
         {"shade in.tif out.tif --sun-irradiance 1,-1,1", {"--sun-irradiance", "-1"}},
         {"shade in.tif out.tif --turbidity 3", {"--turbidity", "needs sky clear"}},
+        {"shade in.tif out.tif --subsampling 2", {"--subsampling", "needs legendre"}},
         {"shade in.tif out.tif --sky clear --turbidity 1", {"turbidity", "2 ... 10"}},
         {"shade in.tif out.tif --sky clear --sky-radiance 1,1,1", {"--sky-radiance", "uniform"}},
         {"shade in.tif out.tif --sky-heading 90", {"--sky-heading", "needs a sky from a file"}},

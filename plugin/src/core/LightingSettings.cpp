@@ -100,10 +100,10 @@ std::string ParameterRange::complaint(double value) const
 
 std::vector<IdleSetting> idleSettings(const LightingSettings& settings)
 {
-    if (settings.bounceMethod == BounceMethod::Slices)
-        return {};
-    return {{"gloss", std::string("gloss has no effect with bounce method ") +
-                          toString(settings.bounceMethod) + ": needs slices"}};
+    const bool bySlices = settings.bounceMethod == BounceMethod::Slices;
+    const std::string name = bySlices ? "subsampling" : "gloss";
+    return {{name, name + " has no effect with bounce method " + toString(settings.bounceMethod) +
+                       ": needs " + (bySlices ? "legendre or legendre-bspline" : "slices")}};
 }
 
 std::vector<IdleSetting> idleSettings(const SkyLight& sky)
