@@ -154,13 +154,11 @@ sweep()
 sweep bounce-look 's/line\.look > 0 \? line\.length\.x - 1 - walked : walked/walked/'
 sweep bounce-late 's/int passed = walked - NEAR/int passed = walked/'
 sweep bounce-segment 's/float\(walked - 1\), ground/float(walked), ground/'
-sweep bounce-void 's/bool ground = .*;/bool ground = true;/'
 sweep bounce-room 's/counts\[level\] -= leaves \? 2 : 0/counts[level] -= leaves ? 1 : 0/'
 sweep bounce-oldest 's/history\[oldest \+ i\] = history\[oldest \+ i \+ 2\]/history[oldest + i] = history[oldest + i]/'
 sweep bounce-sum 's/sum \+ vec4\(receive/vec4(receive/'
 sweep bounce-own 's/raisedSlope\(plane, own \/ receiver\.stepLength, receiver\.cap\)/plane/'
-mutate bounce-own-cell passes/bounce_own.comp 's/quadrant\.x \+ 2 \* quadrant\.y/quadrant.y + 2 * quadrant.x/' \
-  "gpu_tests:*BounceAccuracy*/FractalInTheSun"
+mutate bounce-own-sum passes/bounce_own.comp 's/sum \+= received/sum = received/' "gpu_tests:BounceClosedForm.*"
 
 [[ $count -gt 0 ]] || complain "no mutation of the name ${wanted[*]}"
 echo "$count mutations, $failed failed"
