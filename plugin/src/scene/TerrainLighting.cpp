@@ -170,7 +170,8 @@ void TerrainLighting::Implementation::tellProblems()
         tell(problem.setting, problem.sentence);
     if (glossy) // of tiles or a layer
         for (const IdleSetting& idle : idleSettings(settings))
-            tell(idle.name, idle.sentence);
+            if (idle.name == "gloss")
+                tell(idle.name, idle.sentence);
     told = std::move(now);
     if (glossy != uniforms.isGlossy())
         applyUniforms();
