@@ -71,7 +71,7 @@ Result<EnvironmentPicture> readRasterEnvironment(const std::string& path, std::s
                                                    (file ? "it has no band" : errors.first()) +
                                                    "); needed OpenEXR, .hdr or another picture"};
     const int width = file->GetRasterXSize(), height = file->GetRasterYSize();
-    if (width != 2 * height || height > 8192 ||
+    if (height > 8192 || width != 2 * height || // in this order: 2 * height may overflow
         static_cast<std::size_t>(width) * static_cast<std::size_t>(height) > maxPixels)
         return Error{ErrorCode::Invalid, path + ": is " + std::to_string(width) + " x " +
                                              std::to_string(height) +
