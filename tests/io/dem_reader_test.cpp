@@ -568,6 +568,8 @@ TEST(DemReader, PlacesThatAreNoneAreRefused)
                   {{0, 10, 0.1, 0, 0, -10}, "is rotated"}, // 0.2 m over 2 rows
                   {{0, 0, 10, 0, 10, 0}, "is rotated"},    // rows along the other axis
                   {{0, 10, 0, 0, 0, 0}, "has no cell size"},
+                  {{1.7e308, 1e307, 0, 0, 0, -10}, "no finite place"}, // east of 1.797e308
+                  {{0, 10, 0, -1.7e308, 0, -1e308}, "no finite place"},
                   {{0, 0, 0, 0, 0, -10}, "has no cell size"},
                   {{0, missing, 0, 0, 0, -10}, "has no cell size"}};
     for (const auto& place : places)

@@ -156,6 +156,12 @@ std::optional<Error> placeFrame(const std::string& path, const DemReadOptions& o
 
     t[0] += info.window.column * t[1] + info.window.row * t[2];
     t[3] += info.window.column * t[4] + info.window.row * t[5];
+    // Numbers of a damaged file may be finite and their sum not.
+    if (!std::isfinite(t[0] + info.window.width * t[1]) ||
+        !std::isfinite(t[3] + info.window.height * t[5]))
+        return Error{ErrorCode::Invalid, path + ": geotransform leads to no finite place (origin " +
+                                             number(t[0]) + ", " + number(t[3]) + ", cells " +
+                                             number(t[1]) + ", " + number(t[5]) + ")"};
     frame.northUp = t[5] < 0.0;
     frame.westFirst = t[1] > 0.0;
     return std::nullopt;
