@@ -1,6 +1,8 @@
 // What fuzzers share: damage, the loop, its options.
 #pragma once
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -77,35 +79,44 @@ inline void require(bool holds, const char* what)
     std::abort();
 }
 
+/// Each run has a folder of its own, so that two runs at a time do not meet. It stays after a
+/// crash, with the file at hand.
 struct FuzzOptions
 {
     FuzzOptions(int count, char** arguments, const char* program) : name(program)
     {
-        folder = std::filesystem::temp_directory_path() / name;
-        for (int i = 1; i + 1 < count; i += 2)
+        for (int i = 1; i < count; ++i)
         {
             const std::string option = arguments[i];
-            if (option == "--seed")
-                seed = std::strtoull(arguments[i + 1], nullptr, 10);
-            else if (option == "--runs")
-                runs = std::strtoull(arguments[i + 1], nullptr, 10);
-            else if (option == "--seconds")
-                seconds = std::atof(arguments[i + 1]);
-            else if (option == "--keep")
-                folder = arguments[i + 1];
+            const char* value = i + 1 < count ? arguments[i + 1] : nullptr;
+            if (option == "--keep")
+            {
+                keep = true;
+                continue;
+            }
+            if (option == "--seed" && value)
+                seed = std::strtoull(value, nullptr, 10);
+            else if (option == "--runs" && value)
+                runs = std::strtoull(value, nullptr, 10);
+            else if (option == "--seconds" && value)
+                seconds = std::atof(value);
             else
             {
-                std::cerr << option << ": needed --seed, --runs, --seconds or --keep\n";
+                std::cerr << option << ": needed --seed N, --runs N, --seconds N or --keep\n";
                 std::exit(2);
             }
+            ++i;
         }
+        folder = std::filesystem::temp_directory_path() / (name + '-' + std::to_string(getpid()));
         std::filesystem::create_directories(folder);
+        std::cout << name << ": seed " << seed << ", files in " << folder.string() << std::endl;
     }
     std::string file(const std::string& of) const { return (folder / of).string(); }
 
     std::string name;
     std::uint64_t seed = 1, runs = 0;
     double seconds = 10.0;
+    bool keep = false;
     std::filesystem::path folder;
 };
 
@@ -139,5 +150,7 @@ int fuzz(const FuzzOptions& options, std::vector<std::string> files, const Try& 
     }
     std::cout << options.name << ": seed " << options.seed << ", " << run << " files, " << passed
               << " passed, " << elapsed() << " s, clean\n";
+    if (!options.keep)
+        std::filesystem::remove_all(options.folder);
     return 0;
 }

@@ -2,8 +2,9 @@
 // on to an environment: whatever comes in, what comes out is an error that names the file, or
 // light. Plain mutation of files of every layout, no guidance by coverage, so that any compiler
 // will do; meant for the build with sanitizers.
-// Usage: environment_fuzz [--seed N] [--runs N | --seconds N] [--keep FOLDER]
-// The file at hand is FOLDER/input.exr, .hdr or .dat, so it is there after a crash.
+// Usage: environment_fuzz [--seed N] [--runs N | --seconds N] [--keep]
+// The file at hand is input.exr, .hdr or .dat, in a folder that the first line names. It is there
+// after a crash, and after a clean run with --keep.
 #include "Mutation.h"
 #include "io/EnvironmentFile.h"
 #include "io/ExrFile.h"

@@ -2,8 +2,9 @@
 // AAIGrid, GeoTIFF, ENVI, PDS), through our readers: whatever comes in, what comes out is an error
 // that names the file, or terrain of finite heights. Plain mutation, no guidance by coverage; meant
 // for the build with sanitizers.
-// Usage: map_fuzz [--seed N] [--runs N | --seconds N] [--keep FOLDER]
-// The file at hand is FOLDER/input.earth, .dat or .hdr, so it is there after a crash.
+// Usage: map_fuzz [--seed N] [--runs N | --seconds N] [--keep]
+// The file at hand is input.earth, .dat or .hdr, in a folder that the first line names. It is there
+// after a crash, and after a clean run with --keep.
 #include "Mutation.h"
 #include "io/EarthFile.h"
 #include "io/GdalErrors.h"
@@ -55,7 +56,7 @@ std::string virtualRaster()
 </VRTRasterBand></VRTDataset>)";
 }
 
-/// A header of ENVI; its pixels are FOLDER/input.img, 60 bytes.
+/// A header of ENVI; its pixels are input.img beside it, 60 bytes.
 std::string enviHeader()
 {
     return "ENVI\ndescription = {heights}\nsamples = 6\nlines = 5\nbands = 1\nheader offset = 0\n"
