@@ -51,6 +51,11 @@ bool hasSuffix(const std::string& scene)
     return EQUAL(CPLGetExtension(scene.c_str()), suffix.c_str() + 1);
 }
 
+std::string withoutSuffix(const std::string& scene)
+{
+    return hasSuffix(scene) ? scene.substr(0, scene.size() - suffix.size()) : scene;
+}
+
 /// A map or a raster, without the suffix.
 bool isMapOrRaster(const std::string& name)
 {
@@ -68,9 +73,7 @@ std::string readableName(const std::string& scene)
 /// checkProj() of a raster and of all that a map is made of.
 Status checkProj(const Options& options)
 {
-    const std::string name = hasSuffix(options.scene)
-                                 ? options.scene.substr(0, options.scene.size() - suffix.size())
-                                 : options.scene;
+    const std::string name = withoutSuffix(options.scene);
     return isMapOrRaster(name) ? tool::checkProj(name, describeDem(name, options.read))
                                : Status(Nothing{});
 }
@@ -135,15 +138,16 @@ Result<osg::ref_ptr<osg::Node>> load(const CLI::App& app, const Options& options
         osgDB::Registry::instance()->readNode(readableName(options.scene), reading);
     if (result.validNode())
         return osg::ref_ptr<osg::Node>(result.getNode());
+    const bool isError = result.status() == osgDB::ReaderWriter::ReadResult::ERROR_IN_READING_FILE;
     VSIStatBufL stat;
-    if (osgDB::findDataFile(options.scene).empty() && VSIStatL(options.scene.c_str(), &stat) != 0)
+    if (!isError && osgDB::findDataFile(options.scene).empty() &&
+        VSIStatL(options.scene.c_str(), &stat) != 0)
         return Error{ErrorCode::NotFound, options.scene + ": no such file"};
     const std::string reason =
-        result.status() == osgDB::ReaderWriter::ReadResult::ERROR_IN_READING_FILE
-            ? result.message()
-            : "no raster that GDAL reads, and no scene that OpenSceneGraph reads";
+        isError ? result.message()
+                : "no raster that GDAL reads, and no scene that OpenSceneGraph reads";
     // Some readers' sentences name the file, others' do not.
-    return Error{ErrorCode::Invalid, reason.compare(0, options.scene.size(), options.scene) == 0
+    return Error{ErrorCode::Invalid, reason.rfind(withoutSuffix(options.scene), 0) == 0
                                          ? reason
                                          : options.scene + ": " + reason};
 }

@@ -9,6 +9,7 @@
 #include <ogr_spatialref.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -392,4 +393,48 @@ TEST(GroundSpacing, OfOtherKindsOfCrs)
         EXPECT_NEAR(ground->north, kind.north, 1e-9 * kind.north);
         EXPECT_EQ(ground->geographic, kind.crs == rotated);
     }
+}
+
+// A light's azimuth counts clockwise from north, which holds where x runs east and y north. The
+// right-handed pair (x, y) is turned by as much as its y axis; of the other hand it is mirrored.
+TEST(GroundSpacing, AxesThatPointElsewhereAreTold)
+{
+    RasterFrame frame;
+    frame.width = frame.height = 5;
+    frame.hasGeoTransform = true;
+    const auto notesOf = [&](const char* name)
+    {
+        OGRSpatialReference crs;
+        EXPECT_EQ(crs.SetFromUserInput(name), OGRERR_NONE) << name;
+        crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+        const bool inDegrees = crs.IsGeographic() != FALSE;
+        frame.geoTransform = {inDegrees ? 20.0 : 2000000.0,
+                              inDegrees ? 0.001 : 30.0,
+                              0.0,
+                              inDegrees ? 10.0 : 2000000.0,
+                              0.0,
+                              inDegrees ? -0.001 : -30.0};
+        const Result<GroundSpacing> ground = measureGround("a.tif", &crs, frame);
+        EXPECT_TRUE(ground) << name;
+        std::string found;
+        for (const std::string& note : ground ? ground->notes : std::vector<std::string>())
+            if (note.find("axes point") != std::string::npos)
+                found += note;
+        return found;
+    };
+    for (const auto& [crs, axes, effect] : std::vector<std::array<const char*, 3>>{
+             {"EPSG:2048", "west and south", "azimuths count from the south"}, // South Africa
+             {"EPSG:2065", "south and west", "mirrored"},                      // Krovak, Ferro
+             {"IAU_2015:49901", "west and north", "mirrored"}, // Mars, planetographic
+             {"IAU_2015:49911", "west and north", "mirrored"},
+             {"EPSG:2048+5703", "west and south", "azimuths count from the south"}})
+    {
+        const std::string note = notesOf(crs);
+        EXPECT_NE(note.find(axes), std::string::npos) << crs << ": " << note;
+        EXPECT_NE(note.find(effect), std::string::npos) << crs << ": " << note;
+    }
+    // In degrees, in Poland, where the CRS has the north first, and about both poles.
+    for (const char* crs : {"EPSG:4326", "IAU_2015:49900", "EPSG:2180", "EPSG:5514", "EPSG:3031",
+                            "EPSG:3995", "EPSG:32661", "EPSG:5042", "EPSG:32633+5773"})
+        EXPECT_EQ(notesOf(crs), "") << crs;
 }

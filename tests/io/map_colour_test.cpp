@@ -4,6 +4,7 @@
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -39,7 +40,65 @@ std::string picture(const std::string& name, int bands, bool hasAlpha)
         }
     return path;
 }
+
+/// 2 x 2 pixels of bands with a colour each, whose values are 10, 20, 30 and so on.
+Result<ColourImage> coloursOf(const std::vector<GDALColorInterp>& colours, const char* bits = "8")
+{
+    const std::string path = "/vsimem/map_colour_test.tif";
+    GDALAllRegister();
+    const std::string option = std::string("NBITS=") + bits;
+    const char* options[] = {option.c_str(), "PHOTOMETRIC=MINISBLACK", nullptr};
+    {
+        const GDALDatasetUniquePtr file(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
+            path.c_str(), 2, 2, static_cast<int>(colours.size()), GDT_Byte,
+            const_cast<char**>(options)));
+        double place[] = {500000, 10, 0, 5000000, 0, -10};
+        file->SetGeoTransform(place);
+        for (int band = 1; band <= file->GetRasterCount(); ++band)
+        {
+            file->GetRasterBand(band)->SetColorInterpretation(
+                colours[static_cast<std::size_t>(band - 1)]);
+            file->GetRasterBand(band)->Fill(10.0 * band);
+        }
+    }
+    const Result<DemTile> tile = levelTileUnder(path);
+    return tile ? readColour(path, *tile) : Result<ColourImage>(tile.error());
+}
+
+using Pixel = std::array<int, 4>;
+
+Pixel firstPixel(const Result<ColourImage>& image)
+{
+    EXPECT_TRUE(image) << (image ? "" : image.error().message);
+    return image ? Pixel{image->pixels[0], image->pixels[1], image->pixels[2], image->pixels[3]}
+                 : Pixel{};
+}
 } // namespace
+
+// By their colour interpretation, wherever they stand.
+TEST(MapColour, BandsThatSayWhatColourTheyAre)
+{
+    EXPECT_EQ(firstPixel(coloursOf({GCI_BlueBand, GCI_GreenBand, GCI_RedBand})),
+              (Pixel{30, 20, 10, 255}));
+    EXPECT_EQ(firstPixel(coloursOf({GCI_AlphaBand, GCI_RedBand, GCI_GreenBand, GCI_BlueBand})),
+              (Pixel{20, 30, 40, 10}));
+    EXPECT_EQ(firstPixel(coloursOf(
+                  {GCI_Undefined, GCI_BlueBand, GCI_GreenBand, GCI_RedBand, GCI_AlphaBand})),
+              (Pixel{40, 30, 20, 50}));
+    EXPECT_EQ(firstPixel(coloursOf({GCI_GrayIndex, GCI_AlphaBand})), (Pixel{10, 10, 10, 20}));
+    EXPECT_EQ(firstPixel(coloursOf({GCI_GrayIndex})), (Pixel{10, 10, 10, 255}));
+    const Result<ColourImage> print =
+        coloursOf({GCI_CyanBand, GCI_MagentaBand, GCI_YellowBand, GCI_BlackBand});
+    ASSERT_FALSE(print);
+    EXPECT_NE(print.error().message.find("needed red, green and blue"), std::string::npos)
+        << print.error().message;
+}
+
+// The greatest number of so many bits is white: 10 of 15 is 170 of 255.
+TEST(MapColour, FewerBitsThanEight)
+{
+    EXPECT_EQ(firstPixel(coloursOf({GCI_GrayIndex}, "4")), (Pixel{170, 170, 170, 255}));
+}
 
 // Bands behind the third are no colours, however many; the last counts where it is alpha.
 TEST(MapColour, OfManyBandsTheFirstThree)

@@ -55,11 +55,19 @@ TEST(RasterBand, AUnitOfTheBandGoesBeforeTheMaps)
                                                      {"feet US", surveyFoot},
                                                      {"U.S. survey ft", surveyFoot},
                                                      {"ft (international)", foot},
-                                                     {"'", foot}})
+                                                     {"[ft_i]", foot}, // UCUM, as [ft_us]
+                                                     {"[ft_us]", surveyFoot},
+                                                     {"'", foot},
+                                                     {"\u2032", foot}})
         EXPECT_EQ(metresPerHeightUnit(name), metres) << name;
-    raster.unit = "furlongs of old";
-    EXPECT_NE(noteWith(expectHeights(raster, {1, 2, 3}), "is not known").find("as metres"),
-              std::string::npos);
+    // Micrometres by either sign are no metres.
+    for (const char* name : {"furlongs of old", "\u00b5m", "\u03bcm"})
+    {
+        raster.unit = name;
+        EXPECT_NE(noteWith(expectHeights(raster, {1, 2, 3}), "is not known").find("as metres"),
+                  std::string::npos)
+            << name;
+    }
 }
 
 TEST(RasterBand, AVerticalCrsHasTheUnit)

@@ -178,6 +178,14 @@ TEST_F(Render, FailuresLeaveNothing)
         EXPECT_TRUE(result.complains("terrainlight: " + scene)) << result.err;
         EXPECT_EQ(left(), before);
     }
+    std::ofstream(path("m.earth")) << "<map><elevation driver='tms' url='a'/></map>";
+    for (const std::string suffix : {"", ".terrainlight"})
+    {
+        const ToolRun result = run("render m.earth" + suffix + " p.png -q");
+        EXPECT_TRUE(result.complains("terrainlight: m.earth:1: holds no layer that can be drawn"))
+            << result.err;
+    }
+    std::filesystem::remove(path("m.earth"));
     EXPECT_EQ(run("render " + jacksboro + " nowhere/p.png -q --size 32").status, 1);
     EXPECT_EQ(run("render " + jacksboro + " p.frob -q --size 32").status, 1);
     EXPECT_EQ(left(), before);

@@ -236,6 +236,42 @@ std::optional<Error> measureDegrees(const std::string& path, const OGRSpatialRef
         spacing.notes.push_back("the CRS has a pole of its own: azimuths count from its north");
     return std::nullopt;
 }
+
+/// Quarter turns from east to where an axis of the map's coordinates points; nothing where it
+/// points in none of the four directions. axis: 0 or 1, in GDAL's order, x first.
+std::optional<int> quarterOf(const OGRSpatialReference& crs, std::size_t axis)
+{
+    const std::vector<int>& mapping = crs.GetDataAxisToSRSAxisMapping();
+    if (axis >= mapping.size() || mapping[axis] == 0)
+        return std::nullopt;
+    OGRAxisOrientation orientation = OAO_Other;
+    crs.GetAxis(nullptr, std::abs(mapping[axis]) - 1, &orientation);
+    constexpr OGRAxisOrientation quarters[] = {OAO_East, OAO_North, OAO_West, OAO_South};
+    for (int quarter = 0; quarter < 4; ++quarter)
+        if (quarters[quarter] == orientation)
+            return mapping[axis] > 0 ? quarter : (quarter + 2) % 4;
+    return std::nullopt;
+}
+
+/// Rows and columns are taken to run east and north. Axes that are parallel are those of a polar
+/// map.
+void tellOfAxes(const OGRSpatialReference& crs, GroundSpacing& spacing)
+{
+    std::optional<int> x = quarterOf(crs, 0);
+    std::optional<int> y = quarterOf(crs, 1);
+    // GDAL puts latitudes second only where longitudes count to the east; files do so always.
+    if (crs.IsGeographic() && x && *x % 2 == 1)
+        std::swap(x, y);
+    if (!x || !y || (*x == 0 && *y == 1) || (*x - *y) % 2 == 0)
+        return;
+    constexpr const char* names[] = {"east", "north", "west", "south"};
+    const bool mirrored = (*y - *x + 4) % 4 == 3;
+    spacing.notes.push_back(std::string("the CRS's axes point ") + names[*x] + " and " + names[*y] +
+                            ", but are taken as east and north: " +
+                            (mirrored ? "light comes out mirrored"
+                                      : "azimuths count from the " + std::string(names[*y])) +
+                            "; gdalwarp to a CRS whose axes point east and north");
+}
 } // namespace
 
 MetresPerRadian metresPerRadian(double latitude, double semiMajor, double semiMinor)
@@ -309,6 +345,8 @@ Result<GroundSpacing> measureGround(const std::string& path, const OGRSpatialRef
     if (crs && crs->IsGeocentric())
         return Error{ErrorCode::NotSupported,
                      path + ": CRS \"" + name + "\" is geocentric; needed a map or geographic one"};
+    if (crs && (crs->IsGeographic() || crs->IsProjected()))
+        tellOfAxes(*crs, spacing);
     if (crs && crs->IsGeographic())
     {
         if (auto error = measureDegrees(path, *crs, frame, spacing))

@@ -3,6 +3,7 @@
 #include "io/GdalErrors.h"
 #include "io/GroundSpacing.h"
 #include "io/InputFiles.h"
+#include "io/PictureBands.h"
 
 #include <cpl_string.h>
 #include <gdal_priv.h>
@@ -48,44 +49,51 @@ Result<GDALDatasetUniquePtr> openPicture(const std::string& path, const GdalErro
     return picture;
 }
 
-bool hasColoursAlone(GDALDataset& picture)
+/// 0: there is none.
+int alphaBandOf(GDALDataset& picture)
 {
-    return picture.GetRasterCount() <= 4 && !picture.GetRasterBand(1)->GetColorTable();
+    for (int band = picture.GetRasterCount(); band > 0; --band)
+        if (picture.GetRasterBand(band)->GetColorInterpretation() == GCI_AlphaBand)
+            return band;
+    return 0;
 }
 
-bool hasAlpha(GDALDataset& picture)
-{
-    return picture.GetRasterBand(picture.GetRasterCount())->GetColorInterpretation() ==
-           GCI_AlphaBand;
-}
-
-/// A view of the picture's colours and alpha, which reads from it and must go before it: without a
-/// palette, and without further bands, of which a damaged file may have tens of thousands.
-GDALDatasetUniquePtr coloursOf(GDALDataset& picture)
+/// A view of the picture's red, green and blue of 8 bits, and its alpha, which reads from it and
+/// must go before it.
+Result<GDALDatasetUniquePtr> coloursOf(const std::string& path, GDALDataset& picture,
+                                       const GdalErrors& errors)
 {
     CPLStringList arguments;
-    for (const char* argument : {"-of", "VRT"})
-        arguments.AddString(argument);
-    if (picture.GetRasterBand(1)->GetColorTable())
+    const auto add = [&](const std::vector<std::string>& words)
     {
-        arguments.AddString("-expand");
-        arguments.AddString("rgba");
-    }
+        for (const std::string& word : words)
+            arguments.AddString(word.c_str());
+    };
+    add({"-of", "VRT"});
+    if (picture.GetRasterBand(1)->GetColorTable())
+        add({"-expand", "rgba"});
     else
     {
-        std::vector<int> bands = {1, 2, 3};
-        if (hasAlpha(picture))
-            bands.push_back(picture.GetRasterCount());
-        for (const int band : bands)
+        const Result<std::array<PictureBand, 3>> bands = pictureBandsOf(path, picture);
+        if (!bands)
+            return bands.error();
+        for (std::size_t i = 0; i < bands->size(); ++i)
         {
-            arguments.AddString("-b");
-            arguments.AddString(std::to_string(band).c_str());
+            const PictureBand& band = (*bands)[i];
+            add({"-b", std::to_string(band.number)});
+            if (band.isByte() && band.white < 255.0f)
+                add({"-scale_" + std::to_string(i + 1), "0", number(band.white), "0", "255"});
         }
+        if (const int alpha = alphaBandOf(picture))
+            add({"-b", std::to_string(alpha), "-colorinterp_4", "alpha"});
     }
     GDALTranslateOptions* options = GDALTranslateOptionsNew(arguments.List(), nullptr);
     GDALDatasetUniquePtr view(GDALDataset::FromHandle(
         GDALTranslate("", GDALDataset::ToHandle(&picture), options, nullptr)));
     GDALTranslateOptionsFree(options);
+    if (!view)
+        return Error{ErrorCode::Failed,
+                     path + ": its colours cannot be read (" + errors.first() + ")"};
     return view;
 }
 
@@ -108,7 +116,7 @@ GDALDatasetUniquePtr warped(GDALDataset& picture, const DemTile& tile)
             arguments.AddString(tile.crs.c_str());
         }
     }
-    if (!hasAlpha(picture))
+    if (alphaBandOf(picture) == 0)
         arguments.AddString("-dstalpha");
     GDALWarpAppOptions* options = GDALWarpAppOptionsNew(arguments.List(), nullptr);
     GDALDatasetH source = GDALDataset::ToHandle(&picture);
@@ -125,10 +133,10 @@ Result<ColourImage> readColour(const std::string& path, const DemTile& tile, int
     Result<GDALDatasetUniquePtr> opened = openPicture(path, errors);
     if (!opened)
         return opened.error();
-    const bool isPlain = hasColoursAlone(**opened);
-    const GDALDatasetUniquePtr view = isPlain ? nullptr : coloursOf(**opened);
-    GDALDataset* picture = isPlain ? opened->get() : view.get();
-    const GDALDatasetUniquePtr fitted = picture ? warped(*picture, tile) : nullptr;
+    const Result<GDALDatasetUniquePtr> view = coloursOf(path, **opened, errors);
+    if (!view)
+        return view.error();
+    const GDALDatasetUniquePtr fitted = warped(**view, tile);
     if (!fitted)
         return Error{ErrorCode::Failed,
                      path + ": cannot be warped to the terrain (" + errors.first() + ")"};
@@ -139,21 +147,18 @@ Result<ColourImage> readColour(const std::string& path, const DemTile& tile, int
     const std::size_t count =
         static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
     image.pixels.resize(4 * count);
-    const int bands = fitted->GetRasterCount();
-    const bool grey = bands < 4;
     GDALRasterIOExtraArg extra;
     INIT_RASTERIO_EXTRA_ARG(extra);
     extra.eResampleAlg = GRIORA_Average;
     for (int channel = 0; channel < 4; ++channel)
     {
-        const int band = channel == 3 ? bands : grey ? 1 : channel + 1;
         // Row 0 south: from the last row of the buffer upwards.
         std::uint8_t* start =
             image.pixels.data() + 4 * (count - static_cast<std::size_t>(image.width)) + channel;
-        if (fitted->GetRasterBand(band)->RasterIO(
-                GF_Read, 0, 0, fitted->GetRasterXSize(), fitted->GetRasterYSize(), start,
-                image.width, image.height, GDT_Byte, 4, -4 * static_cast<GSpacing>(image.width),
-                &extra) != CE_None)
+        if (fitted->GetRasterBand(channel + 1)
+                ->RasterIO(GF_Read, 0, 0, fitted->GetRasterXSize(), fitted->GetRasterYSize(), start,
+                           image.width, image.height, GDT_Byte, 4,
+                           -4 * static_cast<GSpacing>(image.width), &extra) != CE_None)
             return Error{ErrorCode::Failed, path + ": cannot be read (" + errors.last() + ")"};
     }
     bool seen = false;

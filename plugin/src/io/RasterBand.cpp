@@ -237,11 +237,12 @@ std::optional<std::array<double, 2>> readStatistics(GDALRasterBand& band)
 
 std::optional<double> metresPerHeightUnit(const std::string& name)
 {
-    if (name == "'")
+    if (name == "'" || name == "\u2032")
         return 0.3048;
     std::string key;
     for (const char c : name)
-        if (std::isalnum(static_cast<unsigned char>(c)))
+        // Beyond ASCII nothing is left out: micrometres, whose sign is there, are no metres.
+        if (std::isalnum(static_cast<unsigned char>(c)) || static_cast<unsigned char>(c) > 0x7f)
             key += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     struct Unit
     {
@@ -253,7 +254,7 @@ std::optional<double> metresPerHeightUnit(const std::string& name)
         {0.3048,
          {"ft", "foot", "feet", "internationalft", "internationalfoot", "internationalfeet",
           "intlft", "intlfoot", "intlfeet", "ftinternational", "footinternational",
-          "feetinternational", "ftintl", "footintl", "feetintl"}},
+          "feetinternational", "ftintl", "footintl", "feetintl", "fti"}},
         {1200.0 / 3937.0,
          {"ftus", "footus", "feetus", "usft", "usfoot", "usfeet", "surveyft", "surveyfoot",
           "surveyfeet", "ussurveyft", "ussurveyfoot", "ussurveyfeet", "ftussurvey", "footussurvey",
