@@ -3,6 +3,7 @@
 // measured).
 #include "support/GlContext.h"
 #include "support/Horizons.h"
+#include "support/SharedData.h"
 
 #include "core/Raster.h"
 #include "core/SyntheticTerrain.h"
@@ -95,7 +96,8 @@ TEST_P(RealTerrain, HorizonsWithinTheBounds)
     OTL_NEED_GL(context);
     const std::optional<DemTile> tile = realDem(GetParam());
     if (!tile)
-        GTEST_SKIP() << "skipped: ../shared/data/dem is absent, and with it " << GetParam();
+        GTEST_SKIP() << "skipped: needs the shared data, and " << sharedData("dem") << " has no "
+                     << GetParam() << " (set OTL_SHARED_DIR)";
     expectNormal(measure(context->state(), *tile, HorizonQuality::Normal, GetParam()));
     const HorizonError best = measure(context->state(), *tile, HorizonQuality::Best, GetParam());
     if (std::string(GetParam()) == "halfdome_1s.tif")

@@ -1,6 +1,7 @@
 #include "io/EnvironmentFile.h"
 #include "io/ExrFile.h"
 #include "support/Panoramas.h"
+#include "support/TestFolder.h"
 
 #include <gtest/gtest.h>
 
@@ -40,13 +41,6 @@ using Vector = std::array<double, 3>;
 class EnvironmentFileTest : public testing::Test
 {
 protected:
-    void SetUp() override
-    {
-        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-        folder = fs::path(OTL_BINARY_DIR) / "environment_file_test" / test->name();
-        fs::remove_all(folder);
-        fs::create_directories(folder);
-    }
     std::string in(const std::string& name) const { return (folder / name).string(); }
 
     /// Reading refuses it: the message begins with the file and holds the parts.
@@ -62,7 +56,7 @@ protected:
             EXPECT_NE(read.error().message.find(part), std::string::npos) << read.error().message;
     }
 
-    fs::path folder;
+    const fs::path folder = testFolder();
 };
 
 /// Values of a channel by pixel of the data window, row by row from the top.

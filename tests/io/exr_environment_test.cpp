@@ -1,5 +1,6 @@
 // Which layer of an OpenEXR file is the picture, and what luminance and chroma become.
 #include "io/EnvironmentFile.h"
+#include "support/TestFolder.h"
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
@@ -41,13 +42,6 @@ int samplingOf(const std::string& name, int sampling)
 class ExrEnvironmentTest : public testing::Test
 {
 protected:
-    void SetUp() override
-    {
-        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-        path = (fs::path(OTL_BINARY_DIR) / (std::string("exr_") + test->name() + ".exr")).string();
-    }
-    void TearDown() override { fs::remove(path); }
-
     static Imf::FrameBuffer declare(Imf::Header& header, const Values& values,
                                     std::map<std::string, Plane>& planes, int sampling)
     {
@@ -112,7 +106,7 @@ protected:
         EXPECT_EQ(picture->warning, warning.empty() ? "" : path + ": " + warning);
     }
 
-    std::string path;
+    const std::string path = (testFolder() / "a.exr").string();
 };
 
 Values rgb(float value, const std::string& prefix = "")

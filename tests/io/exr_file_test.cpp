@@ -1,4 +1,5 @@
 #include "io/ExrFile.h"
+#include "support/TestFolder.h"
 
 #include <gtest/gtest.h>
 
@@ -18,14 +19,6 @@ namespace fs = std::filesystem;
 class ExrFileTest : public testing::Test
 {
 protected:
-    void SetUp() override
-    {
-        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-        folder = fs::path(OTL_BINARY_DIR) / "exr_file_test" / test->name();
-        fs::remove_all(folder);
-        fs::create_directories(folder);
-    }
-
     std::string in(const std::string& name) const { return (folder / name).string(); }
 
     std::size_t fileCount() const
@@ -34,7 +27,7 @@ protected:
             std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
     }
 
-    fs::path folder;
+    const fs::path folder = testFolder();
 };
 
 ExrImage ramp(int width, int height, const std::vector<std::string>& names)

@@ -1,4 +1,5 @@
 #include "io/InputFiles.h"
+#include "support/TestFolder.h"
 
 #include <cpl_vsi.h>
 #include <gdal_priv.h>
@@ -24,8 +25,6 @@ protected:
     void SetUp() override
     {
         GDALAllRegister();
-        folder = fs::path(OTL_BINARY_DIR) / "input_files_test";
-        fs::remove_all(folder);
         fs::create_directories(folder / "sub");
         for (const char* name : {"a.tif", "sub/b.tif"})
         {
@@ -57,7 +56,7 @@ protected:
         EXPECT_EQ(sameFile(files, in("other")), "");
     }
 
-    fs::path folder;
+    const fs::path folder = testFolder();
 };
 } // namespace
 

@@ -1,11 +1,11 @@
 // Colours of a map's picture.
 #include "io/MapReader.h"
+#include "support/TestFolder.h"
 
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
 
 #include <array>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -17,9 +17,7 @@ namespace
 std::string picture(const std::string& name, int bands, bool hasAlpha)
 {
     GDALAllRegister();
-    const std::filesystem::path folder = std::filesystem::path(OTL_BINARY_DIR) / "map_colour_test";
-    std::filesystem::create_directories(folder);
-    const std::string path = (folder / name).string();
+    const std::string path = (testFolder() / name).string();
     const char* options[] = {"INTERLEAVE=PIXEL", nullptr};
     const GDALDatasetUniquePtr file(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
         path.c_str(), 6, 4, bands, GDT_Byte, const_cast<char**>(options)));

@@ -1,4 +1,5 @@
 #include "io/EnvironmentFile.h"
+#include "support/TestFolder.h"
 
 #include <gtest/gtest.h>
 
@@ -20,13 +21,6 @@ namespace fs = std::filesystem;
 class RadianceFileTest : public testing::Test
 {
 protected:
-    void SetUp() override
-    {
-        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-        folder = fs::path(OTL_BINARY_DIR) / "radiance_file_test" / test->name();
-        fs::remove_all(folder);
-        fs::create_directories(folder);
-    }
     std::string write(const std::string& variables, const std::string& resolution,
                       const std::string& pixels) const
     {
@@ -38,7 +32,7 @@ protected:
         return path;
     }
 
-    fs::path folder;
+    const fs::path folder = testFolder();
 };
 
 /// Mantissas and exponent of the format (Ward, Real Pixels): value = mantissa / 256 · 2^(e − 128).

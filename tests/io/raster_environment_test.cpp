@@ -1,4 +1,5 @@
 #include "io/RasterEnvironment.h"
+#include "support/TestFolder.h"
 
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
@@ -20,14 +21,7 @@ namespace fs = std::filesystem;
 class RasterEnvironmentTest : public testing::Test
 {
 protected:
-    void SetUp() override
-    {
-        GDALAllRegister();
-        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-        folder = fs::path(OTL_BINARY_DIR) / "raster_environment_test" / test->name();
-        fs::remove_all(folder);
-        fs::create_directories(folder);
-    }
+    void SetUp() override { GDALAllRegister(); }
 
     /// One value in each band.
     std::string write(const std::string& name, const char* driver, GDALDataType type,
@@ -59,7 +53,7 @@ protected:
         return path;
     }
 
-    fs::path folder;
+    const fs::path folder = testFolder();
 };
 
 void expectAll(const std::string& path, const Rgb& colour)

@@ -1,6 +1,7 @@
 #include "io/RasterWriter.h"
 
 #include "support/SharedData.h"
+#include "support/TestFolder.h"
 
 #include <cpl_string.h>
 #include <cpl_vsi.h>
@@ -31,14 +32,7 @@ constexpr float missing = std::numeric_limits<float>::quiet_NaN();
 class RasterWriterTest : public testing::Test
 {
 protected:
-    void SetUp() override
-    {
-        GDALAllRegister();
-        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-        folder = fs::path(OTL_BINARY_DIR) / "raster_writer_test" / test->name();
-        fs::remove_all(folder);
-        fs::create_directories(folder);
-    }
+    void SetUp() override { GDALAllRegister(); }
 
     std::string in(const std::string& name) const { return (folder / name).string(); }
 
@@ -51,7 +45,7 @@ protected:
         return names;
     }
 
-    fs::path folder;
+    const fs::path folder = testFolder();
 };
 
 using Names = std::vector<std::string>;
@@ -392,7 +386,7 @@ TEST_F(RasterWriterTest, APipeIsNotReplaced)
 TEST_F(RasterWriterTest, FolderWithoutLeaveToWrite)
 {
     if (geteuid() == 0)
-        GTEST_SKIP() << "skipped: the superuser may write everywhere";
+        GTEST_SKIP() << "skipped: the superuser may write everywhere; run as another user";
     fs::permissions(folder, fs::perms::owner_read | fs::perms::owner_exec);
     const Status written = writeRaster(in("a.tif"), smallFrame(), oneBand());
     fs::permissions(folder, fs::perms::owner_all);

@@ -5,6 +5,7 @@
 #include "io/ExrFile.h"
 #include "io/PendingFile.h"
 #include "io/RasterWriter.h"
+#include "support/TestFolder.h"
 
 #include <cpl_error.h>
 #include <gdal_priv.h>
@@ -77,10 +78,6 @@ protected:
             GetGDALDriverManager()->RegisterDriver(driver.release());
         }
         said.clear();
-        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-        folder = fs::path(OTL_BINARY_DIR) / "written_file_test" / test->name();
-        fs::remove_all(folder);
-        fs::create_directories(folder);
         std::ofstream(folder / "o.lie") << "what was there";
     }
 
@@ -104,7 +101,7 @@ protected:
             std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
     }
 
-    fs::path folder;
+    const fs::path folder = testFolder();
 };
 
 std::string content(const fs::path& path)

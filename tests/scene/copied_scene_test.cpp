@@ -31,11 +31,7 @@ constexpr double dimRed = 137.0, brightRed = 188.0, rounding = 1.5;
 
 osg::ref_ptr<TerrainLighting> levelGround()
 {
-    osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
-    lighting->setTimeBudget(0.0);
-    LightingSettings settings;
-    settings.azimuths = 4;
-    lighting->setSettings(settings);
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 4);
     lighting->setSkyLight(uniform(dim));
     lighting->addChild(createTerrain(analytic::plane(33, 33, 20.0, 0.0)));
     return lighting;

@@ -214,17 +214,17 @@ osg::ref_ptr<DynamicTerrain> levelGround()
     return new DynamicTerrain(analytic::plane(side, side, spacing, 0.0));
 }
 
-osg::ref_ptr<TerrainLighting> lightingWithoutBudget()
+osg::ref_ptr<DynamicTerrain> groundWith(const std::shared_ptr<Bump>& bump)
 {
-    osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
-    lighting->setTimeBudget(0.0);
-    lighting->setSettings(fewAzimuths());
-    return lighting;
+    osg::ref_ptr<DynamicTerrain> terrain = levelGround();
+    terrain->setHeightCallback([bump](double time, int width, int height, float* heights)
+                               { return (*bump)(time, width, height, heights); });
+    return terrain;
 }
 
 osg::ref_ptr<TerrainLighting> litTerrain(DynamicTerrain* terrain)
 {
-    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 8);
     lighting->addChild(terrain);
     EXPECT_TRUE(lighting->addTile(terrain));
     return lighting;
@@ -467,9 +467,7 @@ TEST(DynamicTerrain, TheMeshAndItsLightFollowABumpThatMoves)
     OTL_NEED_GL(context);
     Said said;
     const auto bump = std::make_shared<Bump>();
-    osg::ref_ptr<DynamicTerrain> terrain = levelGround();
-    terrain->setHeightCallback([bump](double time, int width, int height, float* heights)
-                               { return (*bump)(time, width, height, heights); });
+    const osg::ref_ptr<DynamicTerrain> terrain = groundWith(bump);
     osg::ref_ptr<TerrainLighting> lighting = litTerrain(terrain);
     SkyLight sky;
     sky.sunAzimuth = 270.0; // the bump's shadow falls to the east
@@ -713,9 +711,7 @@ TEST(DynamicTerrain, HeightsHaveTheTextureUnitThatWasSet)
     OTL_NEED_GL(context);
     Said said;
     const auto bump = std::make_shared<Bump>();
-    osg::ref_ptr<DynamicTerrain> terrain = levelGround();
-    terrain->setHeightCallback([bump](double time, int width, int height, float* heights)
-                               { return (*bump)(time, width, height, heights); });
+    const osg::ref_ptr<DynamicTerrain> terrain = groundWith(bump);
     osg::ref_ptr<TerrainLighting> lighting = litTerrain(terrain);
     ScenePicture picture(lighting, reach);
     picture.draw(2);
@@ -730,7 +726,7 @@ TEST(DynamicTerrain, HeightsHaveTheTextureUnitThatWasSet)
     terrain->setHeightUnit(32);
     EXPECT_EQ(terrain->getHeightUnit(), 12u);
     EXPECT_EQ(said.count("height unit not set"), 1);
-    const osg::ref_ptr<TerrainLighting> other = lightingWithoutBudget();
+    const osg::ref_ptr<TerrainLighting> other = lightingWithBudget(0.0, 8);
     other->setTextureUnit(12);
     EXPECT_FALSE(other->addTile(terrain));
     EXPECT_EQ(said.count("not added"), 1);
@@ -742,9 +738,7 @@ TEST(DynamicTerrain, IsDisplacedWithoutLightToo)
     OTL_NEED_GL(context);
     Said said;
     const auto bump = std::make_shared<Bump>();
-    osg::ref_ptr<DynamicTerrain> terrain = levelGround();
-    terrain->setHeightCallback([bump](double time, int width, int height, float* heights)
-                               { return (*bump)(time, width, height, heights); });
+    const osg::ref_ptr<DynamicTerrain> terrain = groundWith(bump);
     {
         ScenePicture picture(terrain, reach); // no TerrainLighting at all
         picture.draw();
@@ -794,7 +788,7 @@ TEST(DynamicTerrain, AHostsProgramAndColoursAreKept)
 {
     OTL_NEED_GL(context);
     Said said;
-    osg::ref_ptr<DynamicTerrain> terrain = levelGround();
+    const osg::ref_ptr<DynamicTerrain> terrain = groundWith(std::make_shared<Bump>());
     osg::ref_ptr<osg::Program> program = new osg::Program;
     for (osg::Shader::Type type : {osg::Shader::VERTEX, osg::Shader::FRAGMENT})
         program->addShader(createShadingShader(type, 330));
@@ -814,9 +808,6 @@ TEST(DynamicTerrain, AHostsProgramAndColoursAreKept)
         in float shade;
         void main() { gl_FragColor = vec4(shade, 0.0, 0.0, 1.0); })"));
     terrain->getStateSet()->setAttribute(program);
-    const auto bump = std::make_shared<Bump>();
-    terrain->setHeightCallback([bump](double time, int width, int height, float* heights)
-                               { return (*bump)(time, width, height, heights); });
     osg::ref_ptr<TerrainLighting> lighting = litTerrain(terrain);
     EXPECT_EQ(terrain->getStateSet()->getAttribute(osg::StateAttribute::PROGRAM), program);
     ScenePicture picture(lighting, reach);
@@ -907,7 +898,7 @@ TEST(DynamicTerrain, RefusesWhatItCannotUse)
     EXPECT_EQ(said.count("mipmaps"), 1);
     EXPECT_EQ(terrain->getHeightRevision(), 0u);
 
-    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 8);
     EXPECT_FALSE(lighting->addTile(static_cast<DynamicTerrain*>(nullptr)));
     EXPECT_FALSE(lighting->addTile(new DynamicTerrain));
     EXPECT_FALSE(lighting->addTile(new DynamicTerrain(DemTile(1, 5, 10.0))));

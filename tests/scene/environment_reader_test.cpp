@@ -1,6 +1,7 @@
 #include <osgTerrainLight/Environment.h>
 
 #include "support/Panoramas.h"
+#include "support/TestFolder.h"
 
 #include <gtest/gtest.h>
 
@@ -18,16 +19,9 @@ namespace fs = std::filesystem;
 class EnvironmentReaderTest : public testing::Test
 {
 protected:
-    void SetUp() override
-    {
-        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-        folder = fs::path(OTL_BINARY_DIR) / "environment_reader_test" / test->name();
-        fs::remove_all(folder);
-        fs::create_directories(folder);
-    }
     std::string in(const std::string& name) const { return (folder / name).string(); }
 
-    fs::path folder;
+    const fs::path folder = testFolder();
 };
 
 /// Radiance's format, flat: mantissas of red, green and blue over 256, times 2^(exponent - 128).

@@ -53,16 +53,12 @@ void main()
 
 struct Scene
 {
-    osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 16);
     osg::ref_ptr<LightProbe> probe = new LightProbe;
     osgTerrain::TerrainTile* tile = nullptr;
 
     Scene(const DemTile& dem, double height)
     {
-        lighting->setTimeBudget(0.0);
-        LightingSettings settings;
-        settings.azimuths = 16;
-        lighting->setSettings(settings);
         const osg::ref_ptr<osg::Node> terrain = createTerrain(dem);
         lighting->addChild(terrain);
         tile = dynamic_cast<osgTerrain::TerrainTile*>(terrain->asGroup()->getChild(0));

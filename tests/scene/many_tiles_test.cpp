@@ -24,16 +24,6 @@ namespace
 {
 constexpr double reach = 320.0;
 
-osg::ref_ptr<TerrainLighting> lightingWithBudget(double milliseconds)
-{
-    osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
-    lighting->setTimeBudget(milliseconds);
-    LightingSettings settings;
-    settings.azimuths = 8;
-    lighting->setSettings(settings);
-    return lighting;
-}
-
 /// A cone of 640 m across, moved east; its tile has an ID where level >= 0.
 osg::ref_ptr<osg::MatrixTransform> coneAt(double east, int level = -1, int x = 0)
 {
@@ -64,7 +54,7 @@ osg::ref_ptr<osg::Geometry> quad()
 
 TEST(Tiles, HaveHandlesByLevelAndPlaceOrByNumber)
 {
-    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0);
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 8);
     const auto named = coneAt(0.0, 3, 7);
     const auto twin = coneAt(640.0, 3, 7); // has the same ID, in another database
     const auto nameless = coneAt(1280.0);
@@ -108,7 +98,7 @@ TEST(Tiles, BesideOthersAreSaidToBeLitAloneOnce)
     };
     {
         Said said;
-        const osg::ref_ptr<TerrainLighting> one = lightingWithBudget(0.0);
+        const osg::ref_ptr<TerrainLighting> one = lightingWithBudget(0.0, 8);
         for (int i = 0; i < 3; ++i) // one after the other
             EXPECT_TRUE(one->removeTile(add(*one)));
         add(*one);
@@ -119,7 +109,7 @@ TEST(Tiles, BesideOthersAreSaidToBeLitAloneOnce)
         one->removeTile(second);
         add(*one);
         EXPECT_EQ(said.count(warning), 1) << said.text();
-        const osg::ref_ptr<TerrainLighting> other = lightingWithBudget(0.0);
+        const osg::ref_ptr<TerrainLighting> other = lightingWithBudget(0.0, 8);
         add(*other);
         EXPECT_EQ(said.count(warning), 1) << "alone in a scene of its own";
         add(*other);
@@ -128,7 +118,7 @@ TEST(Tiles, BesideOthersAreSaidToBeLitAloneOnce)
     // Found in a scene.
     OTL_NEED_GL(context);
     Said said;
-    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0);
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 8);
     lighting->addChild(coneAt(-330.0));
     ScenePicture picture(lighting, reach);
     picture.draw(2);
@@ -146,7 +136,7 @@ TEST(Tiles, BesideOthersAreSaidToBeLitAloneOnce)
 TEST(Tiles, TheOneThatIsSeenBestComesFirst)
 {
     OTL_NEED_GL(context);
-    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(1.0e-6);
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(1.0e-6, 8);
     const double places[] = {50000.0, 9000.0, 0.0};
     std::vector<TileHandle> handles;
     for (const double east : places)
@@ -177,7 +167,7 @@ TEST(Tiles, TheOneThatIsSeenBestComesFirst)
 TEST(Tiles, AStillSceneOfFourHundredIsNotLookedAt)
 {
     OTL_NEED_GL(context);
-    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0);
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 8);
     osg::ref_ptr<osg::Group> group;
     for (int i = 0; i < 400; ++i)
     {
@@ -205,7 +195,7 @@ TEST(Tiles, AStillSceneOfFourHundredIsNotLookedAt)
 TEST(Tiles, HeightsAndAlbedoOfAnAddedTileChange)
 {
     OTL_NEED_GL(context);
-    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0);
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 8);
     const osg::ref_ptr<osg::Geometry> geometry = quad();
     lighting->addChild(geometry);
     osg::StateSet* stateSet = geometry->getOrCreateStateSet();
@@ -288,7 +278,7 @@ TEST(Tiles, SettersDoNotWaitForADispatch)
 TEST(Tiles, LightThatChangesInEveryFrameIsComputedWithinABudget)
 {
     OTL_NEED_GL(context);
-    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(1.0e-6);
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(1.0e-6, 8);
     lighting->addChild(coneAt(0.0));
     ScenePicture picture(lighting, reach);
     picture.draw(6);
@@ -311,7 +301,7 @@ TEST(Tiles, GlossHasTheTextureUnitThatWasSet)
 {
     OTL_NEED_GL(context);
     Said said;
-    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0);
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 8);
     const osg::ref_ptr<osg::Geometry> geometry = quad();
     lighting->addChild(geometry);
     osg::StateSet* stateSet = geometry->getOrCreateStateSet();

@@ -1,5 +1,6 @@
 // What passes the border of the plugin: no exception, and a warning where light is lost.
 #include "support/ScenePicture.h"
+#include "support/TestFolder.h"
 
 #include <osgTerrainLight/TerrainLighting.h>
 
@@ -39,17 +40,10 @@ public:
 class PluginBorder : public testing::Test
 {
 protected:
-    void SetUp() override
-    {
-        useOwnPlugins();
-        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-        folder = fs::path(OTL_BINARY_DIR) / "plugin_border_test" / test->name();
-        fs::remove_all(folder);
-        fs::create_directories(folder);
-    }
+    void SetUp() override { useOwnPlugins(); }
     std::string in(const std::string& name) const { return (folder / name).string(); }
 
-    fs::path folder;
+    const fs::path folder = testFolder();
 };
 
 osg::ref_ptr<osg::Node> triangle()

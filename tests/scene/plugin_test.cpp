@@ -8,6 +8,8 @@
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"
+#include "support/SharedData.h"
+#include "support/TestFolder.h"
 
 #include <osg/ApplicationUsage>
 #include <osg/Geode>
@@ -44,22 +46,13 @@ TerrainLighting* lightingOf(osgDB::ReaderWriter::ReadResult& result)
     return dynamic_cast<TerrainLighting*>(result.getNode());
 }
 
-/// An empty folder that goes with the test.
-struct Folder
+/// A file in the test's folder.
+std::string file(const std::string& name, const std::string& text)
 {
-    Folder() : path(fs::temp_directory_path() / "otl_plugin_test")
-    {
-        fs::remove_all(path);
-        fs::create_directory(path);
-    }
-    ~Folder() { fs::remove_all(path); }
-    std::string file(const std::string& name, const std::string& text) const
-    {
-        std::ofstream(path / name, std::ios::binary) << text;
-        return (path / name).string();
-    }
-    fs::path path;
-};
+    const fs::path path = testFolder() / name;
+    std::ofstream(path, std::ios::binary) << text;
+    return path.string();
+}
 
 class Actions : public osgGA::GUIActionAdapter
 {
@@ -126,13 +119,12 @@ TEST(Plugin, SaysWhatHasNoEffect)
 
 TEST(Plugin, TakesSkies)
 {
-    const Folder folder;
     ExrImage panorama;
     panorama.width = 16;
     panorama.height = 8;
     for (const char* name : {"R", "G", "B"})
         panorama.channels.push_back({name, std::vector<float>(128, 0.5f)});
-    const std::string file = (folder.path / "sky.exr").string();
+    const std::string file = (testFolder() / "sky.exr").string();
     ASSERT_TRUE(writeExr(file, panorama).ok());
 
     auto clear = read(dem + ".terrainlight", "sky=clear turbidity=4 body_radius=6371000");
@@ -148,7 +140,7 @@ TEST(Plugin, TakesSkies)
     EXPECT_TRUE(lightingOf(none)->getSkyLight().skyHarmonics.empty());
 
     // Of a map: from its own folder.
-    const std::string map = (folder.path / "map.earth").string();
+    const std::string map = (testFolder() / "map.earth").string();
     const auto write = [&](const std::string& keys)
     {
         std::ofstream(map) << "<map><elevation driver=\"gdal\"><url>" << fs::absolute(dem).string()
@@ -171,7 +163,7 @@ TEST(Plugin, TakesSkies)
     EXPECT_TRUE(lightingOf(timed)->getSkyLight().environment);
     EXPECT_FALSE(lightingOf(timed)->getSkyLight().sunEnabled);
     // Through a file and back.
-    const std::string saved = (folder.path / "scene.osgt").string();
+    const std::string saved = (testFolder() / "scene.osgt").string();
     ASSERT_TRUE(osgDB::writeNodeFile(*lighting, saved));
     osg::ref_ptr<osg::Node> node = osgDB::readRefNodeFile(saved);
     const auto* again = dynamic_cast<TerrainLighting*>(node.get());
@@ -240,8 +232,7 @@ TEST(Plugin, TellsNotHandledFromNotFoundFromFailed)
     EXPECT_EQ(reader->readNode("no_such.tif.terrainlight", nullptr).status(),
               Result::FILE_NOT_FOUND);
     EXPECT_EQ(reader->readNode("no_such.earth", nullptr).status(), Result::FILE_NOT_FOUND);
-    const Folder folder;
-    auto failed = reader->readNode(folder.file("text.tif", "no raster") + ".terrainlight", nullptr);
+    auto failed = reader->readNode(file("text.tif", "no raster") + ".terrainlight", nullptr);
     EXPECT_EQ(failed.status(), Result::ERROR_IN_READING_FILE);
     EXPECT_NE(failed.message().find("text.tif"), std::string::npos);
 }
@@ -249,10 +240,9 @@ TEST(Plugin, TellsNotHandledFromNotFoundFromFailed)
 TEST(Plugin, WrapsAScene)
 {
     useOwnPlugins();
-    const Folder folder;
     osg::ref_ptr<osg::Group> scene = new osg::Group;
     scene->setName("the scene");
-    const std::string path = (folder.path / "scene.osgt").string();
+    const std::string path = (testFolder() / "scene.osgt").string();
     ASSERT_TRUE(osgDB::writeNodeFile(*scene, path));
     auto result = read(path + ".terrainlight", "sun_azimuth=10 noRotation");
     TerrainLighting* lighting = lightingOf(result);
@@ -268,7 +258,6 @@ TEST(Plugin, SaysThatTilesOfASceneAreLitAlone)
 {
     OTL_NEED_GL(context);
     useOwnPlugins();
-    const Folder folder;
     for (const int count : {1, 2, 4})
     {
         osg::ref_ptr<osg::Group> scene = new osg::Group;
@@ -279,7 +268,7 @@ TEST(Plugin, SaysThatTilesOfASceneAreLitAlone)
             place->addChild(createTerrain(analytic::plane(5, 5, 10.0, 0.0)));
             scene->addChild(place);
         }
-        const std::string path = (folder.path / "tiles.osgb").string();
+        const std::string path = (testFolder() / "tiles.osgb").string();
         ASSERT_TRUE(osgDB::writeNodeFile(*scene, path));
         Said said;
         auto result = read(path + ".terrainlight");
@@ -311,9 +300,8 @@ TEST(Plugin, FindsFilesOnTheDataPathAndMapsOfStreams)
 
 TEST(Plugin, NamesFileAndReasonOfBadRasters)
 {
-    const fs::path awkward = OTL_SHARED_DIR "/data/awkward";
-    if (!fs::exists(awkward))
-        GTEST_SKIP() << "skipped: no " << awkward;
+    OTL_SKIP_WITHOUT_SHARED_DATA();
+    const fs::path awkward = sharedData("awkward");
     const std::pair<const char*, const char*> bad[] = {
         {"text_named.tif", "no raster"},     {"empty.tif", "is empty"},
         {"truncated_everest.tif", ""},       {"rasterio_all-nodata.tif", "not a DEM"},
@@ -337,10 +325,9 @@ TEST(Plugin, NamesFileAndReasonOfBadRasters)
 
 TEST(Plugin, NamesARasterWithoutAnyHeight)
 {
-    const Folder folder;
-    const std::string path = folder.file("void.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\n"
-                                                     "cellsize 10\nNODATA_value -9999\n"
-                                                     "-9999 -9999 -9999\n-9999 -9999 -9999\n");
+    const std::string path = file("void.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\n"
+                                              "cellsize 10\nNODATA_value -9999\n"
+                                              "-9999 -9999 -9999\n-9999 -9999 -9999\n");
     auto result = read(path + ".terrainlight");
     EXPECT_FALSE(result.validNode());
     EXPECT_NE(result.message().find("void.asc: holds no valid height"), std::string::npos)
@@ -349,13 +336,12 @@ TEST(Plugin, NamesARasterWithoutAnyHeight)
 
 TEST(Plugin, AveragesALargeRasterDown)
 {
-    const Folder folder;
     std::ostringstream text;
     text << "ncols 3000\nnrows 30\nxllcorner 0\nyllcorner 0\ncellsize 10\nNODATA_value -9999\n";
     for (int row = 0; row < 30; ++row)
         for (int column = 0; column < 3000; ++column)
             text << (row < 2 ? -9999 : 100 + column % 2) << (column == 2999 ? '\n' : ' ');
-    const std::string path = folder.file("large.asc", text.str());
+    const std::string path = file("large.asc", text.str());
     Said said;
     auto result = read(path + ".terrainlight");
     TerrainLighting* lighting = lightingOf(result);

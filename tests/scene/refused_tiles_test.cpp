@@ -24,16 +24,6 @@ DemTile hill()
     return analytic::cone(17, 17, 10.0, 8, 8, 60.0, 60.0);
 }
 
-osg::ref_ptr<TerrainLighting> fastLighting()
-{
-    osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
-    lighting->setTimeBudget(0.0);
-    LightingSettings settings;
-    settings.azimuths = 4;
-    lighting->setSettings(settings);
-    return lighting;
-}
-
 void setGloss(TerrainLighting& lighting, double gloss)
 {
     LightingSettings settings = lighting.getSettings();
@@ -64,7 +54,7 @@ TEST(RefusedTiles, WithSpacingsThatAreNotLegal)
         {zero, "northSpacing = 0.000000 m: needs more than 0"},
         {tooFew, "eastSpacings has 2 entries: needs 1, or one per row, 17"},
         {DemTile(), "tile has 0 x 0 posts: needs at least one"}};
-    const osg::ref_ptr<TerrainLighting> lighting = fastLighting();
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 4);
     for (const auto& [dem, sentence] : wrong)
     {
         Said said;
@@ -83,7 +73,8 @@ TEST(RefusedTiles, WithSpacingsThatAreNotLegal)
 TEST(RefusedTiles, WithTheStateSetOfAnotherLightingsTile)
 {
     Said said;
-    const osg::ref_ptr<TerrainLighting> one = fastLighting(), other = fastLighting();
+    const osg::ref_ptr<TerrainLighting> one = lightingWithBudget(0.0, 4),
+                                        other = lightingWithBudget(0.0, 4);
     const osg::ref_ptr<osg::StateSet> stateSet = new osg::StateSet;
     const TileHandle tile = one->addTile(hill(), stateSet);
     EXPECT_TRUE(tile);
@@ -98,7 +89,7 @@ TEST(RefusedTiles, WithTheNameOfATerrainTile)
 {
     OTL_NEED_GL(context);
     Said said;
-    const osg::ref_ptr<TerrainLighting> lighting = fastLighting();
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 4);
     const osg::ref_ptr<osg::Node> terrain = createTerrain(hill()), second = createTerrain(hill());
     const auto tileOf = [](osg::Node& node)
     { return dynamic_cast<osgTerrain::TerrainTile*>(node.asGroup()->getChild(0)); };
@@ -126,7 +117,7 @@ TEST(RefusedTiles, WithTheNameOfATerrainTile)
 
 TEST(RefusedUnits, BeyondTheRangeOrTwiceTheSame)
 {
-    const osg::ref_ptr<TerrainLighting> lighting = fastLighting();
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 4);
     lighting->setTextureUnit(31);
     lighting->setGlossUnit(30);
     Said said;
@@ -151,7 +142,7 @@ TEST(RefusedUnits, GlossInTheUnitOfHeights)
     Said said;
     const osg::ref_ptr<DynamicTerrain> terrain = new DynamicTerrain(hill());
     terrain->setHeightUnit(ShadingTexture::glossUnit);
-    const osg::ref_ptr<TerrainLighting> lighting = fastLighting();
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 4);
     lighting->addChild(terrain);
     EXPECT_TRUE(lighting->addTile(terrain));
     setGloss(*lighting, 0.3);
@@ -165,7 +156,7 @@ TEST(RefusedUnits, GlossInTheUnitOfHeights)
     EXPECT_EQ(textureIn(*terrain, 5), terrain->getHeightTexture());
     EXPECT_EQ(takeGlErrors(), "");
 
-    const osg::ref_ptr<TerrainLighting> glossy = fastLighting();
+    const osg::ref_ptr<TerrainLighting> glossy = lightingWithBudget(0.0, 4);
     setGloss(*glossy, 0.3);
     const osg::ref_ptr<DynamicTerrain> second = new DynamicTerrain(hill());
     second->setHeightUnit(ShadingTexture::glossUnit);
@@ -177,7 +168,7 @@ TEST(RefusedUnits, GlossInTheUnitOfHeights)
     EXPECT_EQ(said.count("height unit not set: texture unit 5 has another texture"), 1);
     EXPECT_EQ(second->getHeightUnit(), 9u);
 
-    const osg::ref_ptr<TerrainLighting> late = fastLighting();
+    const osg::ref_ptr<TerrainLighting> late = lightingWithBudget(0.0, 4);
     const osg::ref_ptr<DynamicTerrain> third = new DynamicTerrain(hill());
     EXPECT_TRUE(late->addTile(third));
     setGloss(*late, 0.3);
@@ -195,7 +186,7 @@ TEST(RefusedUnits, HeightsInTheUnitOfAnotherTexture)
     OTL_NEED_GL(context);
     Said said;
     const osg::ref_ptr<DynamicTerrain> terrain = new DynamicTerrain(hill());
-    const osg::ref_ptr<TerrainLighting> lighting = fastLighting();
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 4);
     lighting->addChild(terrain);
     EXPECT_TRUE(lighting->addTile(terrain));
     const osg::StateAttribute* shading = textureIn(*terrain, lighting->getTextureUnit());

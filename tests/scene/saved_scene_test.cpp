@@ -4,6 +4,7 @@
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"
+#include "support/TestFolder.h"
 
 #include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/TerrainLighting.h>
@@ -117,8 +118,7 @@ TEST(SavedScene, OfAFormerVersionHasItsSettings)
 
 TEST(SavedScene, KeepsEveryDigit)
 {
-    const fs::path folder = fs::temp_directory_path() / "otl_saved_scene";
-    fs::create_directories(folder);
+    const fs::path folder = testFolder();
     osg::ref_ptr<TerrainLighting> node = readScene(former("lit.osgt"));
     ASSERT_TRUE(node);
     SkyLight sky = node->getSkyLight();
@@ -137,13 +137,11 @@ TEST(SavedScene, KeepsEveryDigit)
         EXPECT_EQ(again->getPlace()->longitude, -84.2);
         EXPECT_EQ(again->getTimeBudget(), 20.0);
     }
-    fs::remove_all(folder);
 }
 
 TEST(SavedScene, WithOtherPropertiesIsStillRead)
 {
-    const fs::path folder = fs::temp_directory_path() / "otl_other_properties";
-    fs::create_directories(folder);
+    const fs::path folder = testFolder();
     osg::ref_ptr<TerrainLighting> node = readScene(former("lit.osgt"));
     ASSERT_TRUE(node);
     for (const char* extension : extensions)
@@ -166,12 +164,11 @@ TEST(SavedScene, WithOtherPropertiesIsStillRead)
         EXPECT_EQ(read->getNumChildren(), 1u);
         EXPECT_EQ(said.count("skipped azimuthz"), 1) << said.text();
     }
-    fs::remove_all(folder);
 }
 
 TEST(SavedScene, SaysWhatIsNotLegalAndKeepsTheDefault)
 {
-    const fs::path path = fs::temp_directory_path() / "otl_not_legal.osgt";
+    const fs::path path = testFolder() / "scene.osgt";
     osg::ref_ptr<TerrainLighting> node = readScene(former("lit.osgt"));
     ASSERT_TRUE(node);
     ASSERT_TRUE(osgDB::writeNodeFile(*node, path.string()));
@@ -180,7 +177,6 @@ TEST(SavedScene, SaysWhatIsNotLegalAndKeepsTheDefault)
     std::ofstream(path, std::ios::binary) << text;
     Said said;
     const osg::ref_ptr<TerrainLighting> read = readScene(path.string());
-    fs::remove(path);
     ASSERT_TRUE(read);
     EXPECT_EQ(read->getSkyLight().sunElevation, SkyLight().sunElevation);
     EXPECT_EQ(read->getSkyLight().sunAzimuth, 250.125);
@@ -192,8 +188,7 @@ TEST(SavedScene, SaysWhatIsNotLegalAndKeepsTheDefault)
 TEST(SavedScene, SavedAfterItWasDrawnIsLitAgain)
 {
     OTL_NEED_GL(context);
-    const fs::path folder = fs::temp_directory_path() / "otl_saved_after_drawing";
-    fs::create_directories(folder);
+    const fs::path folder = testFolder();
     constexpr double halfSide = 170.0;
     osg::ref_ptr<TerrainLighting> scene = new TerrainLighting;
     scene->setTimeBudget(0.0);
@@ -229,7 +224,6 @@ TEST(SavedScene, SavedAfterItWasDrawnIsLitAgain)
             EXPECT_EQ(said.text(), "") << when;
         }
     }
-    fs::remove_all(folder);
     EXPECT_EQ(takeGlErrors(), "");
 }
 
@@ -237,7 +231,7 @@ TEST(SavedScene, SavedAfterItWasDrawnIsLitAgain)
 TEST(SavedScene, KeepsTextureUnits)
 {
     useOwnPlugins();
-    const fs::path path = fs::temp_directory_path() / "otl_units.osgt";
+    const fs::path path = testFolder() / "scene.osgt";
     const osg::ref_ptr<TerrainLighting> node = new TerrainLighting;
     node->setTextureUnit(ShadingTexture::glossUnit);
     node->setGlossUnit(9);
@@ -248,13 +242,12 @@ TEST(SavedScene, KeepsTextureUnits)
     EXPECT_EQ(read->getTextureUnit(), ShadingTexture::glossUnit);
     EXPECT_EQ(read->getGlossUnit(), 9u);
     EXPECT_EQ(said.text(), "");
-    fs::remove(path);
 }
 
 TEST(SavedScene, SaysWhichUnitOrLayerIsNotLegal)
 {
     useOwnPlugins();
-    const fs::path path = fs::temp_directory_path() / "otl_not_legal_units.osgt";
+    const fs::path path = testFolder() / "scene.osgt";
     const osg::ref_ptr<TerrainLighting> node = new TerrainLighting;
     ASSERT_TRUE(osgDB::writeNodeFile(*node, path.string()));
     const std::string legal = textOf(path);
@@ -286,5 +279,4 @@ TEST(SavedScene, SaysWhichUnitOrLayerIsNotLegal)
         EXPECT_EQ(read->getGlossLayer(), -1);
         EXPECT_EQ(read->getTimeBudget(), 50.0);
     }
-    fs::remove(path);
 }

@@ -9,6 +9,7 @@
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"
 #include "support/ShaderFolder.h"
+#include "support/TestFolder.h"
 
 #include <osg/MatrixTransform>
 #include <osgDB/ReadFile>
@@ -34,19 +35,9 @@ DemTile coneTile()
     return analytic::cone(65, 65, 10.0, 32, 32, 250.0, 250.0);
 }
 
-osg::ref_ptr<TerrainLighting> lightingWithoutBudget()
-{
-    osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
-    lighting->setTimeBudget(0.0);
-    LightingSettings settings;
-    settings.azimuths = 16;
-    lighting->setSettings(settings);
-    return lighting;
-}
-
 osg::ref_ptr<TerrainLighting> litCone()
 {
-    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 16);
     lighting->addChild(createTerrain(coneTile()));
     return lighting;
 }
@@ -102,7 +93,7 @@ TEST(TerrainLighting, TheSlopeThatFacesTheSunIsBrightest)
 TEST(TerrainLighting, BouncesTakeTheColourLayerAndFollowIt)
 {
     OTL_NEED_GL(context);
-    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 16);
     lighting->setSkyLight(whiteSky(0.25f));
     osg::ref_ptr<osg::Node> valley = createTerrain(
         analytic::makeTile(33, 33, 20.0,
@@ -149,7 +140,7 @@ TEST(TerrainLighting, BouncesTakeTheColourLayerAndFollowIt)
 TEST(TerrainLighting, DefaultProgramMultipliesExposesAndEncodes)
 {
     OTL_NEED_GL(context);
-    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 16);
     lighting->setSkyLight(whiteSky(0.25f));
     osg::ref_ptr<osg::Node> white = createTerrain(analytic::plane(33, 33, 20.0, 0.0));
     lighting->addChild(white);
@@ -180,7 +171,7 @@ namespace
 class GlossyPlain
 {
 public:
-    GlossyPlain() : lighting(lightingWithoutBudget())
+    GlossyPlain() : lighting(lightingWithBudget(0.0, 16))
     {
         SkyLight sky = whiteSky(0.1f);
         sky.sunEnabled = true;
@@ -389,7 +380,7 @@ TEST(TerrainLighting, WhatDoesNotDoAllThatItSeemsToIsSaidOnce)
 TEST(TerrainLighting, GlossyGroundWithoutLightIsBlack)
 {
     OTL_NEED_GL(context);
-    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 16);
     SkyLight dark;
     dark.skyEnabled = false;
     dark.sunElevation = -20.0;
@@ -428,7 +419,7 @@ void main()
     gl_FragColor = vec4(terrainGloss(place, vec3(0.0, 0.0, 1.0)).r, 0.0,
                         0.5 + 0.5 * terrainShading(place).r, 1.0);
 })"));
-    osg::ref_ptr<TerrainLighting> second = lightingWithoutBudget();
+    osg::ref_ptr<TerrainLighting> second = lightingWithBudget(0.0, 16);
     second->setSkyLight(dark);
     settings.bounceMethod = BounceMethod::Slices;
     second->setSettings(settings);
@@ -490,7 +481,7 @@ TEST(TerrainLighting, AStillSceneDispatchesNothingAndAChangeOnlyWhatItReaches)
 TEST(TerrainLighting, BouncesOfEveryNthFrameCatchUpWithLightThatStandsStill)
 {
     OTL_NEED_GL(context);
-    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 16);
     for (int i = 0; i < 3; ++i)
         lighting->addChild(createTerrain(analytic::cone(33, 33, 10.0, 16, 16, 120.0, 120.0)));
     LightingSettings settings = lighting->getSettings();
@@ -561,7 +552,7 @@ TEST(TerrainLighting, EditedShadersAreTakenUpInAStillScene)
 TEST(TerrainLighting, ATileAddedLaterIsLitDeepBelow)
 {
     OTL_NEED_GL(context);
-    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 16);
     osg::ref_ptr<osg::Group> deep = new osg::Group;
     osg::ref_ptr<osg::Group> between = new osg::Group;
     between->addChild(deep);
@@ -586,7 +577,7 @@ TEST(TerrainLighting, ATileAddedLaterIsLitDeepBelow)
 TEST(TerrainLighting, EditedHeightsAreLitAnew)
 {
     OTL_NEED_GL(context);
-    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 16);
     osg::ref_ptr<osg::Node> terrain = createTerrain(analytic::plane(65, 65, 10.0, 0.0));
     lighting->addChild(terrain);
     ScenePicture picture(lighting, reach);
@@ -663,7 +654,7 @@ TEST(TerrainLighting, TheBudgetSpreadsStepsOverFrames)
 TEST(TerrainLighting, RemovedTilesAreLeftAsTheyWere)
 {
     OTL_NEED_GL(context);
-    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 16);
     osg::ref_ptr<osg::Node> bare = createTerrain(coneTile());
     osg::ref_ptr<osg::Node> dressed = createTerrain(coneTile());
     osg::Node* bareTile = bare->asGroup()->getChild(0);
@@ -692,7 +683,7 @@ TEST(TerrainLighting, LightsAHostsOwnTerrain)
     osg::ref_ptr<osg::Geometry> quad = osg::createTexturedQuadGeometry(
         osg::Vec3(-320, -320, 0), osg::Vec3(640, 0, 0), osg::Vec3(0, 640, 0));
     quad->setTexCoordArray(ShadingTexture::coordinateSet, quad->getTexCoordArray(0));
-    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 16);
     lighting->addChild(quad);
     osg::StateSet* stateSet = quad->getOrCreateStateSet();
     TileHandle tile = lighting->addTile(coneTile(), stateSet, {}, true);
@@ -735,7 +726,7 @@ TEST(TerrainLighting, VoidsHaveNoGeometryAndOpenTheHorizon)
     for (int row = 20; row < 45; ++row)
         for (int column = 20; column < 45; ++column)
             tile.setVoid(column, row);
-    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 16);
     lighting->setSkyLight(whiteSky(0.25f));
     osg::ref_ptr<osg::Node> terrain = createTerrain(tile);
     lighting->addChild(terrain);
@@ -777,7 +768,7 @@ TEST(TerrainLighting, RefusesValuesOutsideTheirRange)
 TEST(TerrainLighting, GoesThroughAFileAndBack)
 {
     useOwnPlugins();
-    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 16);
     SkyLight sky;
     sky.sunAzimuth = 123.25;
     sky.sunElevation = 12.5;
@@ -808,11 +799,9 @@ TEST(TerrainLighting, GoesThroughAFileAndBack)
     lighting->addChild(createTerrain(coneTile()));
     for (const char* extension : {"osgt", "osgb", "osgx"})
     {
-        const std::string path =
-            (std::filesystem::temp_directory_path() / "otl_round_trip.").string() + extension;
+        const std::string path = (testFolder() / "again.").string() + extension;
         ASSERT_TRUE(osgDB::writeNodeFile(*lighting, path));
         osg::ref_ptr<osg::Node> node = osgDB::readRefNodeFile(path);
-        std::filesystem::remove(path);
         auto* read = dynamic_cast<TerrainLighting*>(node.get());
         ASSERT_TRUE(read) << extension;
         EXPECT_EQ(read->getSkyLight().sunAzimuth, 123.25);
@@ -963,7 +952,7 @@ TEST(TerrainLighting, ATurnedTileIsNamedAndDrawnUnlit)
     osg::ref_ptr<osgTerrain::TerrainTile> tile = tileWith(locator, 11);
     tile->setName("turned");
     turned->addChild(tile);
-    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 16);
     lighting->addChild(turned);
     Said said;
     ScenePicture picture(lighting, reach);
@@ -1041,7 +1030,7 @@ TEST(TerrainLighting, LightsAGeocentricTileByItsOwnNorth)
             layer->getHeightField()->setHeight(static_cast<unsigned>(column),
                                                static_cast<unsigned>(row),
                                                cone.heightAt(column, row));
-    osg::ref_ptr<TerrainLighting> lighting = lightingWithoutBudget();
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 16);
     lighting->addChild(tile);
     osg::Matrixd place;
     earth.computeLocalToWorldTransformFromLatLongHeight(latitude, longitude, 0.0, place);

@@ -45,7 +45,8 @@ bool has(const std::string& program)
 
 #define OTL_NEED(program)                                                                          \
     if (!has(program))                                                                             \
-    GTEST_SKIP() << "skipped: needs " << program
+    GTEST_SKIP() << "skipped: the program " << program                                             \
+                 << " is absent (.ci/install_deps.sh installs it)"
 
 void expectNoGlError(const std::string& output)
 {
@@ -77,7 +78,9 @@ TEST_P(ViewerThreads, DrawWithoutErrors)
         runOnDisplay(std::string(OTL_BINARY_DIR "/bin/viewer_program ") + GetParam().first + " " +
                      std::to_string(GetParam().second));
     if (outcome.exitCode == 77)
-        GTEST_SKIP() << "skipped: no window on this display: " << outcome.output;
+        GTEST_SKIP()
+            << "skipped: xvfb's display gives no OpenGL window (install Mesa's libgl1-mesa-dri): "
+            << outcome.output;
     EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
     expectNoGlError(outcome.output);
     // The program adds tiles beside each other.
@@ -169,7 +172,8 @@ TEST(Osgviewer, DrawsUnlitOnOldOpenGL)
             runOsgviewer(dem + ".terrainlight", std::string("MESA_GL_VERSION_OVERRIDE=") + version);
         EXPECT_EQ(outcome.exitCode, 124) << outcome.output;
         if (outcome.output.empty())
-            GTEST_SKIP() << "skipped: this driver gives another version than asked for";
+            GTEST_SKIP()
+                << "skipped: this OpenGL driver ignores MESA_GL_VERSION_OVERRIDE; needs Mesa's";
         const std::size_t first = outcome.output.find("needs OpenGL 4.3");
         EXPECT_NE(first, std::string::npos) << outcome.output;
         EXPECT_EQ(outcome.output.find("needs OpenGL 4.3", first + 1), std::string::npos);

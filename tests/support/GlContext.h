@@ -26,4 +26,5 @@ std::string takeGlErrors();
     osgTerrainLight::HeadlessContext* const context =                                              \
         osgTerrainLight::sharedGlContext(context##Reason);                                         \
     if (!context)                                                                                  \
-    GTEST_SKIP() << "skipped: " << context##Reason
+    GTEST_SKIP() << "skipped: no OpenGL 4.3 here (install Mesa's libgl1-mesa-dri): "               \
+                 << context##Reason

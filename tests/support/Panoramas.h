@@ -17,7 +17,7 @@ inline std::string panorama(const std::string& name)
 
 #define OTL_SKIP_WITHOUT_PANORAMAS()                                                               \
     if (!std::filesystem::exists(osgTerrainLight::panorama("sunrise")))                            \
-    GTEST_SKIP() << osgTerrainLight::panorama("sunrise")                                           \
-                 << ": not there (Debian package blender-data)"
+    GTEST_SKIP() << "skipped: needs panoramas, and " << osgTerrainLight::panorama("sunrise")       \
+                 << " is absent (install Debian's package blender-data)"
 
 } // namespace osgTerrainLight

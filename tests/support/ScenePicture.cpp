@@ -62,6 +62,16 @@ double ScenePicture::redAt(double x, double y) const
     return sum / 49.0;
 }
 
+osg::ref_ptr<TerrainLighting> lightingWithBudget(double milliseconds, int azimuths)
+{
+    osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
+    lighting->setTimeBudget(milliseconds);
+    LightingSettings settings;
+    settings.azimuths = azimuths;
+    lighting->setSettings(settings);
+    return lighting;
+}
+
 class Said::Handler : public osg::NotifyHandler
 {
 public:

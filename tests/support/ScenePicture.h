@@ -1,6 +1,7 @@
 #pragma once
 
 #include <osgTerrainLight/HeadlessContext.h>
+#include <osgTerrainLight/TerrainLighting.h>
 
 #include <osg/Node>
 #include <osg/Notify>
@@ -42,6 +43,9 @@ private:
     osg::ref_ptr<osgViewer::Viewer> _viewer;
     std::vector<unsigned char> _pixels;
 };
+
+/// With so many azimuths, and so much time per update [ms]; 0 is no limit.
+osg::ref_ptr<TerrainLighting> lightingWithBudget(double milliseconds, int azimuths);
 
 /// Keeps what OSG says while it lives.
 class Said

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "support/TestFolder.h"
+
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
 
@@ -9,7 +11,6 @@
 #include <sstream>
 #include <string>
 #include <sys/wait.h>
-#include <unistd.h>
 #include <vector>
 
 namespace osgTerrainLight::testing
@@ -104,15 +105,6 @@ inline void expectSamePlace(const ReadRaster& a, const ReadRaster& b)
 class ToolTest : public ::testing::Test
 {
 protected:
-    void SetUp() override
-    {
-        const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-        folder = std::filesystem::temp_directory_path() /
-                 ("terrainlight-" + std::to_string(getpid()) + "-" + test->name());
-        std::filesystem::create_directories(folder);
-    }
-    void TearDown() override { std::filesystem::remove_all(folder); }
-
     /// arguments: as typed in a shell; the working folder is the test's own. before: what the shell
     /// does first. with: a program that runs the tool, with its arguments.
     ToolRun run(const std::string& arguments, const std::string& before = ":",
@@ -161,7 +153,7 @@ protected:
                   CE_None);
     }
 
-    std::filesystem::path folder;
+    const std::filesystem::path folder = testFolder();
 };
 
 /// Tests of modes that compute: skipped where the tool finds no OpenGL 4.3.
@@ -170,10 +162,10 @@ class GlToolTest : public ToolTest
 protected:
     void SetUp() override
     {
-        ToolTest::SetUp();
         static const ToolRun info = run("info");
         if (info.status != 0)
-            GTEST_SKIP() << "skipped: " << info.err;
+            GTEST_SKIP() << "skipped: no OpenGL 4.3 here (install Mesa's libgl1-mesa-dri): "
+                         << info.err;
     }
 };
 

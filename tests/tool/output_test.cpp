@@ -32,7 +32,6 @@ class OutputIsInput : public ToolTest
 protected:
     void SetUp() override
     {
-        ToolTest::SetUp();
         fs::create_directories(folder / "sub");
         for (const char* name : {"dem.tif", "sub/part.tif", "o.tif.ovr", "o.tif.msk"})
             writeRaster(name, 16, 16, hill(), {0, 10, 0, 160, 0, -10});
@@ -170,7 +169,8 @@ TEST_F(OutputIsInput, IsRefusedWhereASceneNeedsIt)
     {
         const ToolRun result = run(std::string("render sub/part.obj ") + output + " --size 32");
         if (result.complains("OpenGL"))
-            GTEST_SKIP() << "skipped: " << result.err;
+            GTEST_SKIP() << "skipped: no OpenGL 4.3 here (install Mesa's libgl1-mesa-dri): "
+                         << result.err;
         EXPECT_EQ(result.status, 2) << result.err;
         EXPECT_EQ(result.out, "");
         EXPECT_TRUE(result.complains("needs another name")) << result.err;
@@ -309,7 +309,9 @@ TEST_F(Output, FoldersThatCannotBeWritten)
     EXPECT_EQ(contentOf(path("locked/old.tif")), "what was there");
     fs::permissions(path("locked"), fs::perms::owner_all);
     if (!runs)
-        GTEST_SKIP() << "skipped in part: no other user can run the tool here";
+        GTEST_SKIP()
+            << "skipped in part: the superuser may write everywhere, and setpriv cannot run the "
+               "tool as another user; run as a user, or build where every user may read";
 }
 
 // A link stays a link, and the file that it stands for gets the result, in its own folder, with the
@@ -380,7 +382,8 @@ TEST_F(GlOutput, AFullDiskIsSaidPlainly)
                               "\"$@\"; status=$?; ls -A small >left; exit $status' sh";
     fs::create_directory(path("small"));
     if (run("--version", ":", small).status != 0)
-        GTEST_SKIP() << "skipped: no file system can be mounted here";
+        GTEST_SKIP() << "skipped: unshare -m and mount are refused, so there is no small disk to "
+                        "fill; run as the superuser, in a container with CAP_SYS_ADMIN";
     for (const std::string& command :
          {std::string("generate fractal small/o.tif --size 150 -q"),
           std::string("generate fractal small/o.img --size 150 -q"),
