@@ -139,6 +139,19 @@ TEST(RasterBand, AMapInFeetHasHeightsInFeetAndSaysSo)
     EXPECT_TRUE(expectHeights(onMap("EPSG:32618"), {1, 2, 3}).notes.empty()) << "metres";
 }
 
+// Nobody measures heights in them, so a map in such a unit says nothing of its heights.
+TEST(RasterBand, AMapInKilometresLinksOrYardsHasHeightsInMetresAndSaysSo)
+{
+    for (const auto& [crs, unit] : std::vector<std::pair<const char*, const char*>>{
+             {"+proj=laea +lat_0=45 +lon_0=15 +ellps=WGS84 +units=km", "kilometre (1000 m)"},
+             {"EPSG:30200", "Clarke's link"}, // Trinidad
+             {"EPSG:24370", "Indian yard"}})
+    {
+        const DemFile file = expectHeights(onMap(crs), {1, 2, 3});
+        EXPECT_NE(noteWith(file, "no height unit is known").find(unit), std::string::npos);
+    }
+}
+
 TEST(RasterBand, UnitAndFactorGiven)
 {
     MemoryRaster raster;

@@ -118,8 +118,9 @@ std::optional<VerticalAxis> verticalAxisOf(const OGRSpatialReference& crs)
     return axis;
 }
 
-/// The unit of the CRS's vertical axis, or else, where the map itself is not in metres, the map's:
-/// most heights come in the unit of their map, and gdaldem takes them so.
+/// The unit of the CRS's vertical axis, or else, where the map itself is in feet, the map's: most
+/// heights come in the feet of their map, and gdaldem takes them so. Kilometres, links and yards
+/// are units of maps alone.
 void readUnitOfCrs(const OGRSpatialReference& crs, BandFacts& facts,
                    std::vector<std::string>& notes)
 {
@@ -137,10 +138,18 @@ void readUnitOfCrs(const OGRSpatialReference& crs, BandFacts& facts,
     const double metres = crs.GetTargetLinearUnits(crs.IsLocal() ? "LOCAL_CS" : "PROJCS", &name);
     if (!(std::isfinite(metres) && metres > 0.0) || metres == 1.0)
         return;
+    const std::string unit = (name ? name : "") + (" (" + number(metres) + " m)");
+    constexpr double foot = 0.3048; // those of all countries differ by less than 0.01 %
+    if (std::abs(metres / foot - 1.0) > 0.001)
+    {
+        notes.push_back("no height unit is known, and the map is in another than metres, " + unit +
+                        ": heights are taken as metres");
+        return;
+    }
     facts.heightUnit = name ? name : "";
     facts.metresPerHeightUnit = metres;
-    notes.push_back("no height unit is known: heights are taken in the map's, " + facts.heightUnit +
-                    " (" + number(metres) + " m); --unit m tells of metres");
+    notes.push_back("no height unit is known: heights are taken in the map's, " + unit +
+                    "; --unit m tells of metres");
 }
 
 /// Some planetary products give radii in kilometres and no unit; their offset is the body's radius.
