@@ -17,6 +17,7 @@
 #include <osg/ComputeBoundsVisitor>
 #include <osg/NodeVisitor>
 #include <osgDB/DatabasePager>
+#include <osgDB/FileNameUtils>
 #include <osgDB/FileUtils>
 #include <osgDB/Registry>
 #include <osgViewer/Viewer>
@@ -48,7 +49,8 @@ const std::string suffix = ".terrainlight"; // asks for our reader
 
 bool hasSuffix(const std::string& scene)
 {
-    return EQUAL(CPLGetExtension(scene.c_str()), suffix.c_str() + 1);
+    return "." + osgDB::getLowerCaseFileExtension(scene) ==
+           suffix; // too long for CPLGetExtension()
 }
 
 std::string withoutSuffix(const std::string& scene)

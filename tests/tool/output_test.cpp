@@ -491,7 +491,8 @@ TEST_F(Output, BrokenProjDataAreToldBeforeTheWork)
               "shadow " + jacksboro + " o.tif --time 2024-06-21T10:00Z",
               "sunhours " + jacksboro + " o.tif --from 2024-06-21T00:00 --to 2024-06-22T00:00",
               "render " + jacksboro + " o.png", std::string("render m.earth o.png"),
-              "info " + jacksboro, "bench " + jacksboro + " --csv o.csv"})
+              "render " + jacksboro + ".terrainlight o.png", "info " + jacksboro,
+              "bench " + jacksboro + " --csv o.csv"})
         {
 #ifndef OTL_BENCH
             if (command.rfind("bench", 0) == 0)
