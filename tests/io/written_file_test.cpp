@@ -10,6 +10,7 @@
 #include <cpl_error.h>
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
+#include <ogr_srs_api.h>
 
 #include <sys/resource.h>
 
@@ -20,6 +21,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 using namespace osgTerrainLight;
@@ -193,6 +195,38 @@ TEST_F(WrittenFileTest, MessagesAloneAreNoFailure)
     ASSERT_FALSE(write());
     said.clear();
     ASSERT_FALSE(write()) << "a failure without a message is one";
+}
+
+// HF2 keeps hundredths, BAG adds a band of uncertainty: both as they should.
+TEST_F(WrittenFileTest, FormatsThatKeepLessOrMoreAreWritten)
+{
+    for (const auto& [driver, name, step] :
+         std::vector<std::tuple<const char*, const char*, float>>{{"HF2", "o.hf2", 0.01f},
+                                                                  {"BAG", "o.bag", 1e-6f}})
+    {
+        if (!GetGDALDriverManager()->GetDriverByName(driver))
+            continue;
+        RasterFrame frame;
+        frame.width = frame.height = 4;
+        frame.hasGeoTransform = true;
+        frame.crs = SRS_WKT_WGS84_LAT_LONG;
+        frame.geoTransform = {10.0, 0.001, 0.0, 50.0, 0.0, -0.001};
+        Raster<float> values(4, 4);
+        for (int i = 0; i < 16; ++i)
+            values.at(i % 4, i / 4) = 0.5f + 0.0333f * static_cast<float>(i);
+        RasterWriteOptions options;
+        options.driver = driver;
+        const std::string path = (folder / name).string();
+        const Status written = writeRaster(path, frame, {{{"", ""}, values}}, options);
+        ASSERT_TRUE(written) << driver << ": " << written.error().message;
+        const GDALDatasetUniquePtr file(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER));
+        ASSERT_TRUE(file) << driver;
+        float corner = 0.0f; // of the file's last row, which is the tile's first
+        EXPECT_EQ(file->GetRasterBand(1)->RasterIO(GF_Read, 3, 3, 1, 1, &corner, 1, 1, GDT_Float32,
+                                                   0, 0, nullptr),
+                  CE_None);
+        EXPECT_NEAR(corner, values.at(3, 0), step) << driver;
+    }
 }
 
 TEST_F(WrittenFileTest, RehearsalLeavesTheTarget)

@@ -34,7 +34,7 @@ void WrittenFile::add(int band, int row, double value, bool isVoid)
 bool WrittenFile::isExact(GDALDriver& driver, const std::vector<std::string>& creationOptions)
 {
     for (const char* name : {"JPEG", "WEBP", "JPEGXL", "JP2OpenJPEG", "JP2ECW", "HEIF", "GRIB",
-                             "GIF", "MBTiles", "PDF", "KMLSUPEROVERLAY"})
+                             "GIF", "MBTiles", "PDF", "KMLSUPEROVERLAY", "HF2", "BAG"})
         if (EQUAL(driver.GetDescription(), name))
             return false;
     for (const std::string& option : creationOptions)
