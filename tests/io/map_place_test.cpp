@@ -281,4 +281,7 @@ TEST(MapPlace, AGivenPlaceThatTheMapDoesNotShowIsRefused)
               std::string::npos)
         << behind.error().message;
     EXPECT_TRUE(placeInstead(EarthPlace{-170.0, 20.0, 0.0}, crs, given));
+    for (const auto& [map, pole] : std::vector<std::pair<std::string, double>>{
+             {"EPSG:3413", -90.0}, {"EPSG:3031", 90.0}, {"EPSG:32661", -90.0}})
+        EXPECT_FALSE(placeInstead(EarthPlace{10.0, pole, 0.0}, wkt(map), given)) << map;
 }

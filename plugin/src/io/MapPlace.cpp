@@ -91,7 +91,9 @@ Result<EarthPlace> placeInstead(const std::optional<EarthPlace>& given, const st
     const std::optional<GroundPoint> point =
         onMap ? ground->at(onMap->first, onMap->second, longitude, latitude)
               : std::optional<GroundPoint>();
-    if (!point)
+    // The far pole of a stereographic map is nowhere, which PROJ gives as numbers that are too
+    // large for steps between them.
+    if (!point || !(point->metresPerY() > 0.0))
         return Error{ErrorCode::Invalid,
                      std::string("the place ") +
                          CPLSPrintf("%.10g, %.10g", place.longitude, place.latitude) +
