@@ -152,6 +152,26 @@ TEST(RasterBand, AMapInKilometresLinksOrYardsHasHeightsInMetresAndSaysSo)
     }
 }
 
+// A tile holds 1e6 m on either side of its middle height; 1 … 6 m times a factor.
+TEST(RasterBand, AFactorThatLeadsBeyondATileIsSaid)
+{
+    MemoryRaster raster;
+    DemReadOptions options;
+    options.heightFactor = 3e5; // 3e5 … 18e5, the middle is 10.5e5
+    EXPECT_TRUE(expectHeights(raster, {3e5, 6e5, 9e5, 12e5, 15e5, 18e5}, options).notes.empty());
+    options.heightFactor =
+        5e5; // 5e5 … 30e5, the middle is 17.5e5: the first and last lie 12.5e5 off
+    const Result<DemFile> some = readDem(raster.write(), options);
+    ASSERT_TRUE(some) << some.error().message;
+    EXPECT_EQ(some->tile.validCount(), 4u);
+    EXPECT_NE(noteWith(*some, "2 posts more than 1e6 m from the middle"), "");
+    options.heightFactor = 1e8;
+    const Result<DemFile> none = readDem(raster.write(), options);
+    ASSERT_FALSE(none);
+    EXPECT_NE(none.error().message.find("all heights lie more than 1e6 m"), std::string::npos)
+        << none.error().message;
+}
+
 TEST(RasterBand, UnitAndFactorGiven)
 {
     MemoryRaster raster;

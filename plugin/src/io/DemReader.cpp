@@ -317,13 +317,21 @@ private:
         tile.mapOriginX = frame.mapX(0);
         tile.mapOriginY = frame.mapY(0);
         // Posts of a new tile are void.
+        std::size_t beyond = 0;
         eachHeight(
             [&](int column, int row, double height)
             {
                 tile.setHeight(column, row,
                                static_cast<float>((height - tile.heightOrigin) *
                                                   ground.factors.at(column, row)));
+                beyond += tile.isValid(column, row) ? 0u : 1u;
             });
+        const std::string most =
+            " more than 1e6 m from the middle height, by the z factor or the map's scale";
+        if (beyond == range.count)
+            return Error{ErrorCode::Invalid, _path + ": all heights lie" + most};
+        if (beyond > 0)
+            file.notes.push_back(posts(beyond) + most + ": taken as void");
         return file;
     }
 
