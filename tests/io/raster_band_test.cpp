@@ -536,6 +536,35 @@ TEST(RasterBand, VoidsAmongRadiiAreToldAsSuch)
               "void");
 }
 
+// Radii without a CRS that names their body, floats' ends for voids, a wrong unit, a customary
+// void.
+TEST(RasterBand, ARasterOfVoidsAloneSaysWhyTheyAreVoid)
+{
+    const auto errorOf = [](const std::vector<double>& values, const char* crs, const char* unit)
+    {
+        MemoryRaster raster;
+        raster.type = GDT_Float64;
+        raster.values = values;
+        raster.crs = crs;
+        DemReadOptions options;
+        options.heightUnit = unit;
+        const Result<DemFile> read = readDem(raster.write(), options);
+        EXPECT_FALSE(read);
+        return read ? "" : read.error().message;
+    };
+    for (const std::string& message :
+         {errorOf({1737001, 1737002, 1737003, 1737004, 1737005, 1737006}, "", ""),
+          errorOf({3e38, 3e38, 3e38, -3e38, -3e38, -3e38}, "EPSG:32633", ""),
+          errorOf({1200, 1300, 1400, 1500, 1600, 1700}, "EPSG:32633", "km")})
+        EXPECT_NE(message.find("all of 3 x 2 posts are void; 6 posts without a finite height "
+                               "within ±1e6 m"),
+                  std::string::npos)
+            << message;
+    EXPECT_NE(errorOf({-99999, -99999, -99999, -99999, -99999, -99999}, "EPSG:32633", "")
+                  .find("void; 6 posts of -99999, which is no declared nodata value"),
+              std::string::npos);
+}
+
 TEST(RasterBand, RadiiBecomeHeightsOfTheirBody)
 {
     const auto body = [](double radius)

@@ -243,11 +243,29 @@ private:
     {
         for (const double value : _customs.heights())
             _survey.add(_info.metresOf(value));
-        if (_survey.heights() == 0)
-            return Error{ErrorCode::Invalid, _path + ": holds no valid height: all of " +
-                                                 size(_window.width, _window.height) +
-                                                 " posts are void"};
-        return std::nullopt;
+        if (_survey.heights() > 0)
+            return std::nullopt;
+        std::string why;
+        for (const std::string& note : voidNotes())
+            why += "; " + note;
+        return Error{ErrorCode::Invalid, _path + ": holds no valid height: all of " +
+                                             size(_window.width, _window.height) +
+                                             " posts are void" + why};
+    }
+
+    /// Of posts that are void though neither nodata value nor mask say so.
+    std::vector<std::string> voidNotes() const
+    {
+        std::vector<std::string> notes = _customs.notes();
+        if (_survey.voids() > 0)
+            notes.insert(
+                notes.begin(),
+                posts(_survey.voids()) +
+                    (_survey.areRadii()
+                         ? " that are no radii of the body, half to one and a half of its own"
+                         : " without a finite height within ±1e6 m") +
+                    ": taken as void");
+        return notes;
     }
 
     void addNotes(const GroundSpacing& ground, DemFile& file) const
@@ -259,15 +277,8 @@ private:
             file.notes.push_back("heights are radii of the body in kilometres: its " +
                                  number(_survey.radius()) +
                                  " m come off; --unit m tells of metres");
-        if (_survey.voids() > 0)
-            file.notes.push_back(
-                posts(_survey.voids()) +
-                (_survey.areRadii()
-                     ? " that are no radii of the body, half to one and a half of its own"
-                     : " without a finite height within ±1e6 m") +
-                ": taken as void");
-        const std::vector<std::string> customs = _customs.notes();
-        file.notes.insert(file.notes.end(), customs.begin(), customs.end());
+        const std::vector<std::string> voids = voidNotes();
+        file.notes.insert(file.notes.end(), voids.begin(), voids.end());
         // See HeightFactors.
         const double error =
             ground.factors.steepest(ground.east[ground.east.size() / 2], ground.north) * 0.5 *
