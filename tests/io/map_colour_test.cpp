@@ -2,6 +2,7 @@
 #include "io/MapReader.h"
 #include "support/TestFolder.h"
 
+#include <cpl_conv.h>
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
 
@@ -90,6 +91,59 @@ TEST(MapColour, BandsThatSayWhatColourTheyAre)
     ASSERT_FALSE(print);
     EXPECT_NE(print.error().message.find("needed red, green and blue"), std::string::npos)
         << print.error().message;
+}
+
+// A mask and a nodata value cover as alpha does, also where bands are taken in another order.
+TEST(MapColour, WhatIsVoidIsTransparent)
+{
+    const std::string path = "/vsimem/map_colour_mask.tif";
+    GDALAllRegister();
+    for (const bool byMask : {true, false})
+    {
+        {
+            const CPLConfigOptionSetter inside("GDAL_TIFF_INTERNAL_MASK", "YES", false);
+            const char* options[] = {"PHOTOMETRIC=MINISBLACK", nullptr};
+            const GDALDatasetUniquePtr file(
+                GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
+                    path.c_str(), 4, 4, 3, GDT_Byte, const_cast<char**>(options)));
+            double place[] = {500000, 10, 0, 5000000, 0, -10};
+            file->SetGeoTransform(place);
+            const GDALColorInterp colours[] = {GCI_BlueBand, GCI_GreenBand, GCI_RedBand};
+            for (int band = 1; band <= 3; ++band)
+            {
+                GDALRasterBand& to = *file->GetRasterBand(band);
+                to.SetColorInterpretation(colours[band - 1]);
+                std::vector<unsigned char> values(16, static_cast<unsigned char>(10 * band));
+                for (std::size_t i = 0; i < 16; ++i)
+                    values[i] = i % 4 < 2 && !byMask ? 7 : values[i];
+                if (!byMask)
+                    to.SetNoDataValue(7.0);
+                EXPECT_EQ(
+                    to.RasterIO(GF_Write, 0, 0, 4, 4, values.data(), 4, 4, GDT_Byte, 0, 0, nullptr),
+                    CE_None);
+            }
+            if (byMask)
+            {
+                EXPECT_EQ(file->CreateMaskBand(GMF_PER_DATASET), CE_None);
+                std::vector<unsigned char> mask(16);
+                for (std::size_t i = 0; i < 16; ++i)
+                    mask[i] = i % 4 < 2 ? 0 : 255;
+                EXPECT_EQ(file->GetRasterBand(1)->GetMaskBand()->RasterIO(
+                              GF_Write, 0, 0, 4, 4, mask.data(), 4, 4, GDT_Byte, 0, 0, nullptr),
+                          CE_None);
+            }
+        }
+        const Result<DemTile> tile = levelTileUnder(path);
+        ASSERT_TRUE(tile) << tile.error().message;
+        const Result<ColourImage> image = readColour(path, *tile);
+        ASSERT_TRUE(image) << image.error().message;
+        ASSERT_EQ(image->width, 4);
+        EXPECT_EQ(image->pixels[3], 0) << byMask;
+        const std::size_t east = 4 * 3;
+        EXPECT_EQ(image->pixels[east], 30) << byMask;
+        EXPECT_EQ(image->pixels[east + 2], 10);
+        EXPECT_EQ(image->pixels[east + 3], 255);
+    }
 }
 
 // The greatest number of so many bits is white: 10 of 15 is 170 of 255.
