@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -124,6 +125,29 @@ TEST_F(RasterEnvironmentTest, WhatItsBandsSay)
                        file.GetRasterBand(3)->SetColorInterpretation(GCI_RedBand);
                    }),
               {0.0f, 0.0f, 1.0f});
+}
+
+// An APP1 segment behind the first two bytes: TIFF of one entry, tag 274, a short (EXIF 2.3, 4.6).
+TEST_F(RasterEnvironmentTest, AnOrientationThatIsNotFollowedIsSaid)
+{
+    const std::string path = write("a.jpg", "JPEG", GDT_Byte, {255, 100, 5}, 16, 8);
+    std::ifstream file(path, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    for (const char orientation : {'\1', '\3', '\6'})
+    {
+        std::string tiff = std::string("II*\0\x08\0\0\0\1\0\x12\1\3\0\1\0\0\0", 18);
+        tiff += orientation + std::string(7, '\0');
+        const std::string segment = std::string("\xff\xe1\0", 3) +
+                                    static_cast<char>(2 + 6 + tiff.size()) +
+                                    std::string("Exif\0\0", 6) + tiff;
+        const std::string turned = (folder / "turned.jpg").string();
+        std::ofstream(turned, std::ios::binary) << bytes.substr(0, 2) << segment << bytes.substr(2);
+        const Result<EnvironmentPicture> picture = readEnvironmentFile(turned);
+        ASSERT_TRUE(picture) << picture.error().message;
+        EXPECT_EQ(picture->warning.find("EXIF orientation") != std::string::npos,
+                  orientation != '\1')
+            << picture->warning;
+    }
 }
 
 TEST_F(RasterEnvironmentTest, WhatIsNoSky)

@@ -33,6 +33,15 @@ std::string noteOfMap(GDALDataset& file)
                : "";
 }
 
+/// A camera's word on how it was held: 1 is upright.
+std::string noteOfOrientation(GDALDataset& file)
+{
+    const char* said = file.GetMetadataItem("EXIF_Orientation");
+    return said && !EQUAL(said, "1") ? std::string("its EXIF orientation, ") + said +
+                                           ", is not followed: row 0 is the top"
+                                     : "";
+}
+
 std::optional<Error> complaintOfBand(const std::string& path, GDALDataset& file,
                                      const PictureBand& band)
 {
@@ -110,7 +119,7 @@ Result<EnvironmentPicture> readRasterEnvironment(const std::string& path, std::s
     }
     const auto voids = std::count(isVoid.begin(), isVoid.end(), true);
     const std::string warning =
-        joined({noteOfMap(*file),
+        joined({noteOfMap(*file), noteOfOrientation(*file),
                 voids > 0 ? std::to_string(voids) +
                                 " pixels have voids (nodata, mask or alpha 0), taken as 0"
                           : "",
