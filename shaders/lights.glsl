@@ -10,15 +10,6 @@ vec3 directLight(ivec2 post, vec3 normal, vec3 sky, float sunFraction)
     return light;
 }
 
-// Irradiance / pi of a cell in the mean, but for the sky. corners [m]: as in cellNormal(); sunMean:
-// of sunOnCell().
-vec3 directLightOnCell(ivec2 cell, vec4 corners, Length east, Length north, float sunMean)
-{
-    vec3 light = keyOnCell(cell, corners, east, north);
-    light += SUN_IN_CELLS ? sunIrradiance * sunMean : vec3(0.0);
-    return light;
-}
-
 // Adds what a post receives in harmonics, per colour: all but sky and sun.
 ShVector[3] addDirectHarmonics(ShVector incident[3], ivec2 post, vec3 normal)
 {

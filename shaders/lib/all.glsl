@@ -5,6 +5,7 @@
 #include "horizon.glsl"
 #include "rays.glsl"
 #include "sky.glsl"
+#include "shadow.glsl"
 #include "clear_sky.glsl"
 #include "legendre.glsl"
 #include "gather.glsl"

@@ -12,7 +12,7 @@ Slope raisedSlope(Slope highest, Slope slope, Slope cap)
 struct SliceGather
 {
     Slope highest; // that segments reach
-    vec2 moments;  // of the slice above it
+    vec3 moments;  // of the slice above it
     // what segments send, times their moments: what a normal's vertical part receives
     vec3 upward;
     vec3 outward;  // and its part along the slice
@@ -24,7 +24,7 @@ SliceGather startGather(Slope plane, vec3 own, Angle width)
 {
     SliceGather slice;
     slice.highest = plane;
-    slice.moments = sliceMoments(plane, width);
+    slice.moments = gradedMoments(plane, width);
     slice.upward = vec3(real(0.0), real(0.0), real(0.0));
     slice.outward = slice.upward;
     slice.last = own;
@@ -36,9 +36,31 @@ SliceGather addSegment(SliceGather slice, Slope slope, vec3 sent, Slope cap, Ang
 {
     SliceGather next;
     next.highest = raisedSlope(slice.highest, slope, cap);
-    next.moments = sliceMoments(next.highest, width);
+    next.moments = gradedMoments(next.highest, width);
     next.upward = slice.upward + sent * (slice.moments.x - next.moments.x);
     next.outward = slice.outward + sent * (slice.moments.y - next.moments.y);
+    next.last = slope > slice.highest ? sent : slice.last;
+    return next;
+}
+
+// Least rise of a segment along which light changes: less of it rounds.
+GLSL_CONST Slope LEAST_GRADED = real(0.05);
+
+// The same where what is sent changes evenly with the slope: `from` at the slice's highest, `sent`
+// at `slope`.
+SliceGather addGradedSegment(SliceGather slice, Slope slope, vec3 from, vec3 sent, Slope cap,
+                             Angle width)
+{
+    Slope rise = slope - slice.highest;
+    bool graded = rise > LEAST_GRADED;
+    real scale = graded ? real(1.0) / max(rise, LEAST_GRADED) : real(0.0);
+    vec3 change = (sent - from) * scale;
+    vec3 level = graded ? from - change * slice.highest : (from + sent) * real(0.5);
+    SliceGather next = addSegment(slice, slope, level, cap, width);
+    vec3 moments = slice.moments - next.moments;
+    next.upward = next.upward + change * moments.z;
+    next.outward = next.outward +
+                   change * (moments.x * (real(2.0) * sin(real(0.5) * width) / width));
     next.last = slope > slice.highest ? sent : slice.last;
     return next;
 }

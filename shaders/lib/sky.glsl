@@ -24,6 +24,18 @@ vec2 sliceMoments(Slope slope, Angle width)
                 sin(real(0.5) * width) * (theta - slope * square));
 }
 
+// With a third part, so that light that changes evenly with the slope can be integrated: its upward
+// moment is that part's.
+vec3 gradedMoments(Slope slope, Angle width)
+{
+    GLSL_ASSERT(width > real(0.0) && width <= real(2.0) * PI + real(1.0e-5));
+    real square = real(1.0) / (real(1.0) + slope * slope);
+    Angle elevation = elevationOfSlope(slope);
+    return vec3(width * real(0.5) * square,
+                sin(real(0.5) * width) * (HALF_PI - elevation - slope * square),
+                width * real(0.5) * (slope * square - elevation));
+}
+
 // Zenith angle at which a slice meets the surface's own plane: 90 degrees + atan(nh / nz). nz > 0:
 // a surface of heights faces up.
 Angle planeZenithAngle(real nz, real nh)
@@ -85,19 +97,6 @@ real keySlice(Angle horizon, Angle lowest, Angle highest, vec3 normal, real cosi
     return bottom > top ? (sliceIrradiance(bottom, normal.z, nh, width) -
                            sliceIrradiance(top, normal.z, nh, width)) / PI
                         : real(0.0);
-}
-
-// Irradiance / pi, over that of a surface that faces it, by a disc at (east, north) in a cell:
-// above is how far its centre stands over the horizon of the corners [rad], in the order of
-// cellNormal(), and is bilinear between them, like the surface. So a shadow's edge goes through the
-// cell where it would; between the corners' visible fractions it would be a ramp of a cell's width.
-real discOnCell(vec4 above, real east, real north, Angle radius, vec3 normal, vec3 direction)
-{
-    GLSL_ASSERT(min(east, north) >= real(0.0) && max(east, north) <= real(1.0));
-    GLSL_ASSERT(isUnit(normal) && isUnit(direction));
-    Angle between = (above.x * (real(1.0) - east) + above.y * east) * (real(1.0) - north) +
-                    (above.z * (real(1.0) - east) + above.w * east) * north;
-    return visibleDiscFraction(between, radius) * max(dot(normal, direction), real(0.0)) / PI;
 }
 
 // One slice's share of a sky-view factor. elevation: of the horizon; the sky ends at the horizontal

@@ -64,16 +64,3 @@ ShVector[3] addKeyHarmonics(ShVector incident[3], ivec2 post, vec3 normal)
     return incident;
 }
 #endif
-
-// Irradiance / pi of a cell in the mean of its corners. corners [m]: as in cellNormal().
-vec3 keyOnCell(ivec2 cell, vec4 corners, Length east, Length north)
-{
-    vec3 light = vec3(0.0);
-    for (int i = 0; i < 4; ++i)
-    {
-        ivec2 corner = ivec2(i % 2, i / 2);
-        vec3 there = cellNormal(corners, float(corner.x), float(corner.y), east, north);
-        light += 0.25 * keyLight(cell + corner, there);
-    }
-    return light;
-}

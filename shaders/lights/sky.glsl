@@ -60,19 +60,3 @@ FourLights skyOnPost(sampler2DArray horizon, int azimuths, ivec2 post, vec3 norm
         sky.light[i] = skyRadiance * sums[i];
     return sky;
 }
-
-// The same in the mean of a cell of one normal, with the mean horizon of its corners.
-vec3 skyOnCell(sampler2DArray horizon, int azimuths, ivec2 cell, vec3 normal)
-{
-    float width = 2.0 * PI / float(azimuths);
-    SkyShare sum = SkyShare(0.0);
-    for (int k = 0; k < azimuths; ++k)
-    {
-        float code = 0.0;
-        for (int i = 0; i < 4; ++i)
-            code += 0.25 * texelFetch(horizon, ivec3(cell + ivec2(i % 2, i / 2), k), 0).x;
-        float phi = width * float(k);
-        sum += skyShare(elevationOfCode(code), normal, cos(phi), sin(phi), width, k);
-    }
-    return skyRadiance * sum;
-}

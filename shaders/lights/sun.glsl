@@ -7,19 +7,13 @@ uniform float sunOff;       // visible fraction without SUN: 1 switched off, 0 b
 
 #ifdef SUN
 uniform sampler2DArray sunHorizon; // elevation codes towards the disc's left, centre and right
+uniform sampler2D sunEdge;         // of shadow_edge.comp
 
 // How far the sun's centre stands over a post's horizon [rad], 0 left, 1 centre, 2 right of the
 // disc. The sky's edge is the horizontal, for the sun as for the sky.
 Angle sunAbove(ivec2 post, int part)
 {
     return sunElevation - max(elevationOfCode(texelFetch(sunHorizon, ivec3(post, part), 0).x), 0.0);
-}
-
-// The same of a cell's corners.
-vec4 sunAboveCorners(ivec2 cell)
-{
-    return vec4(sunAbove(cell, 1), sunAbove(cell + ivec2(1, 0), 1), sunAbove(cell + ivec2(0, 1), 1),
-                sunAbove(cell + ivec2(1, 1), 1));
 }
 
 // Visible fraction of the disc from a post.
@@ -29,32 +23,61 @@ float sunVisible(ivec2 post)
                                      sunRadius);
 }
 
-// Irradiance / pi of a surface that sees a fraction of the disc.
+// Irradiance / pi of a surface that sees the whole disc, over sunIrradiance; at least the least
+// half float.
+float sunFacing(vec3 normal)
+{
+    return max(dot(normal, sunDirection) / PI, exp2(-14.0));
+}
+
+// Irradiance / pi of a surface that sees a fraction of it.
 vec3 sunLight(vec3 normal, float visible)
 {
     return sunIrradiance * (visible * max(dot(normal, sunDirection), 0.0) / PI);
 }
 
-// Irradiance / pi at a place in a cell, 0 ... 1, over sunIrradiance.
-const bool SUN_IN_CELLS = true;
-
-float sunInCell(ivec2 cell, vec2 inside, vec3 normal)
+// Height over the sun's shadow, and the softness of its edge [m].
+vec2 overSunShadow(ivec2 post)
 {
-    return discOnCell(sunAboveCorners(cell), inside.x, inside.y, sunRadius, normal, sunDirection);
+    return texelFetch(sunEdge, post, 0).xy;
 }
 
-// Its mean over the cell. corners [m]: as in cellNormal().
-float sunOnCell(ivec2 cell, vec4 corners, Length east, Length north)
+// Mean visible fraction of the disc on a straight way between two such.
+float sunBetween(vec2 from, vec2 to)
 {
-    vec4 above = sunAboveCorners(cell);
-    float mean = 0.0;
-    for (int i = 0; i < 16; ++i)
+    float softness = max(0.5 * (from.y + to.y), 1.0e-4);
+    return min(meanDiscFraction(from.x / softness, to.x / softness),
+               discFraction(sunElevation / sunRadius));
+}
+
+// Irradiance / pi of a cell in the mean. facing: of its corners, sunFacing().
+vec3 sunOnCell(ivec2 cell, vec4 facing)
+{
+    vec2 over[4];
+    for (int i = 0; i < 4; ++i)
+        over[i] = overSunShadow(cell + ivec2(i % 2, i / 2));
+    // In strips, along the axis along which the shadow changes more.
+    if (abs(over[0].x - over[2].x) + abs(over[1].x - over[3].x) >
+        abs(over[0].x - over[1].x) + abs(over[2].x - over[3].x))
     {
-        vec2 place = (vec2(i % 4, i / 4) + 0.5) / 4.0;
-        vec3 there = cellNormal(corners, place.x, place.y, east, north);
-        mean += discOnCell(above, place.x, place.y, sunRadius, there, sunDirection) / 16.0;
+        vec2 kept = over[1];
+        over[1] = over[2];
+        over[2] = kept;
+        facing.yz = facing.zy;
     }
-    return mean;
+    float mean = 0.0;
+    for (int i = 0; i < 4; ++i)
+    {
+        float across = (float(i) + 0.5) / 4.0;
+        vec2 from = mix(over[0], over[2], across);
+        vec2 to = mix(over[1], over[3], across);
+        float edge = shadowCrossing(from.x, to.x);
+        float lit = from.x < 0.0 ? 0.5 * (1.0 + edge) : 0.5 * edge; // the middle of what is
+        float there = mix(mix(facing.x, facing.z, across), mix(facing.y, facing.w, across),
+                          edge < 1.0 ? lit : 0.5);
+        mean += 0.25 * there * sunBetween(from, to);
+    }
+    return sunIrradiance * mean;
 }
 #else
 float sunVisible(ivec2 post)
@@ -62,20 +85,13 @@ float sunVisible(ivec2 post)
     return sunOff;
 }
 
+float sunFacing(vec3 normal)
+{
+    return 1.0;
+}
+
 vec3 sunLight(vec3 normal, float visible)
 {
     return vec3(0.0);
-}
-
-const bool SUN_IN_CELLS = false;
-
-float sunInCell(ivec2 cell, vec2 inside, vec3 normal)
-{
-    return 0.0;
-}
-
-float sunOnCell(ivec2 cell, vec4 corners, Length east, Length north)
-{
-    return 0.0;
 }
 #endif

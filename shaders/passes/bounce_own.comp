@@ -5,12 +5,11 @@ layout(local_size_x = 8, local_size_y = 8) in;
 uniform sampler2D heights;      // R32F [m], framed by `frame` void posts, row 0 south
 uniform sampler2D eastSpacings; // R32F [m], one texel per row
 uniform sampler2D stepLengths;  // R32F [m]: ground length of a step of azimuth x in row y
-uniform sampler2D albedo;       // one texel per post, or one for all
+uniform sampler2D faces;        // of faces.comp
 uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k/m from east
-#ifdef DIRECT
+#ifdef SUN
+uniform sampler2D albedo; // one texel per post, or one for all
 uniform sampler2D direct; // of which alpha is read, the sun's visible fraction
-#else
-uniform sampler2D lastLight; // irradiance / pi of the last bounce
 #endif
 layout(rgba32f, binding = 0) writeonly uniform image2D sums;    // irradiance
 layout(rg32f, binding = 1) writeonly uniform image2D gradients; // rise [m/m] to the east and north
@@ -24,31 +23,6 @@ layout(std140, binding = 0) uniform Rays
     vec4 directions[256]; // drift along the minor axis per step, look, 1 where north, -
 };
 
-#ifdef DIRECT
-// Direct irradiance / pi of the corners of the four cells that meet at a post, south-west,
-// south-east, north-west, north-east: each with that cell's normal there. Beside a void: 0.
-FourLights lightOfCorners(ivec2 post, Length here, Length east, float visible)
-{
-    vec3 normals[4];
-    float whole[4];
-    for (int i = 0; i < 4; ++i)
-    {
-        ivec2 side = ivec2(i % 2, i / 2) * 2 - 1;
-        Length besideX = postHeight(heights, post + frame + ivec2(side.x, 0));
-        Length besideY = postHeight(heights, post + frame + ivec2(0, side.y));
-        whole[i] = isVoid(besideX) || isVoid(besideY) ? 0.0 : 1.0;
-        normals[i] = normalize(vec3(float(side.x) * whole[i] * (here - besideX) * northSpacing,
-                                    float(side.y) * whole[i] * (here - besideY) * east,
-                                    east * northSpacing));
-    }
-    FourLights sky = skyOnPost(horizon, azimuths, post, normals);
-    FourLights corners;
-    for (int i = 0; i < 4; ++i)
-        corners.light[i] = whole[i] * directLight(post, normals[i], sky.light[i], visible);
-    return corners;
-}
-#endif
-
 void main()
 {
     ivec2 post = ivec2(gl_GlobalInvocationID.xy);
@@ -59,11 +33,9 @@ void main()
         return;
     Length east = texelFetch(eastSpacings, ivec2(0, post.y), 0).x;
     vec3 normal = postNormal(heights, post + frame, east, northSpacing);
+#ifdef SUN
     vec3 colour = texelFetch(albedo, min(post, textureSize(albedo, 0) - 1), 0).rgb;
-#ifdef DIRECT
-    FourLights corners = lightOfCorners(post, here, east, texelFetch(direct, post, 0).a);
-#else
-    vec3 bounced = texelFetch(lastLight, post, 0).rgb;
+    vec3 sun = colour * sunIrradiance * texelFetch(direct, post, 0).a;
 #endif
     float width = 2.0 * PI / float(azimuths);
     vec3 sum = vec3(0.0);
@@ -72,11 +44,11 @@ void main()
         float cosine = cos(width * float(k));
         float sine = sin(width * float(k));
         GridRay ray = gridRay(directions[k].x, int(directions[k].y), directions[k].z != 0.0);
-#ifdef DIRECT
         ivec2 quadrant = max(ray.major + ray.side, ivec2(0));
-        vec3 own = colour * corners.light[quadrant.x + 2 * quadrant.y];
-#else
-        vec3 own = colour * bounced;
+        vec4 face = texelFetch(faces, 2 * post + quadrant, 0);
+        vec3 own = face.rgb;
+#ifdef SUN
+        own += sun * face.a;
 #endif
         Slope cap = slopeOfCode(texelFetch(horizon, ivec3(post, k), 0).x);
         Length stepLength = texelFetch(stepLengths, ivec2(k, post.y), 0).x;

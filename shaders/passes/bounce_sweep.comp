@@ -10,13 +10,11 @@ layout(local_size_x = 32) in;
 
 uniform sampler2D heights;      // R32F [m], framed by `frame` void posts, row 0 south
 uniform sampler2D stepLengths;  // R32F [m]: ground length of a step of azimuth x in row y
-uniform sampler2D radiance;     // of radiance.comp
+uniform sampler2D faces;        // of faces.comp
 uniform sampler2D gradients;    // of bounce_own.comp
 uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k/m from east
 #ifdef SUN
 uniform sampler2D albedo;       // one texel per post, or one for all
-uniform sampler2D eastSpacings; // R32F [m], one texel per row
-uniform float northSpacing;     // [m]
 #endif
 layout(rgba32f, binding = 0) uniform image2D sums; // irradiance; each post is one line's
 
@@ -29,7 +27,6 @@ layout(std140, binding = 0) uniform Rays
     vec4 directions[256]; // drift along the minor axis per step, look, 1 where north, -
 };
 
-const int NEAR = 4;
 const int BLOCK = 4; // steps in which level 1 gets two pieces
 
 // Level l of a history holds up to ENTRIES pieces, oldest first, of 2^l steps. Two pieces of a full
@@ -120,36 +117,90 @@ Length heightAt(Line line, int major)
                           minor - float(whole));
 }
 
-// rgb = radiance of the cell at a place; a > 0 where it is valid.
-vec4 sentAt(vec2 place)
+// The cell that a step goes through at its middle. major: the less of the step's two; minor: of the
+// middle.
+ivec2 cellOf(Line line, int major, float minor)
 {
-    ivec2 cell = clamp(ivec2(floor(place)), ivec2(0), size - 2);
-    vec4 sent = texelFetch(radiance, cell, 0);
-#ifdef SUN
-    // With the sun's light of that place of the cell instead of the cell's mean.
-    vec2 inside = clamp(place - vec2(cell), 0.0, 1.0);
-    vec4 corners;
-    for (int i = 0; i < 4; ++i)
-        corners[i] = postHeight(heights, cell + ivec2(i % 2, i / 2) + frame);
-    Length east = texelFetch(eastSpacings, ivec2(0, cell.y), 0).x;
-    float share = sunInCell(cell, inside,
-                            cellNormal(corners, inside.x, inside.y, east, northSpacing));
-    ivec2 nearest = min(cell + ivec2(inside + 0.5), textureSize(albedo, 0) - 1);
-    vec3 more = texelFetch(albedo, nearest, 0).rgb * sunIrradiance * (share - sent.a);
-    sent.rgb = sent.a > 0.0 ? max(sent.rgb + more, 0.0) : vec3(0.0);
-#endif
-    return sent;
+    return postAt(line, clamp(major, 0, line.length.x - 2),
+                  clamp(int(floor(minor)), 0, line.length.y - 2));
 }
 
-// The step of ground that ends at a position; `before` [m]: its farther end.
-Passed passedAt(Line line, int walked, Length before, Length height, Length stepLength)
+// What a cell sends where a step begins or ends, but for the sun's light: on the side of it towards
+// - or + of the major axis (0, 1), at a minor coordinate. a > 0 where there is a cell, and what
+// sunFacing() is.
+vec4 faceAt(Line line, ivec2 cell, int side, float minor)
 {
-    float middle = float(majorAt(line, walked)) + 0.5 * float(line.look);
-    float beside = minorAt(line, middle);
-    vec4 sent = sentAt(line.north ? vec2(beside, middle) : vec2(middle, beside));
-    bool ground = !isVoid(before) && !isVoid(height) && sent.a > 0.0;
-    Passed passed = passedStep(before, float(walked - 1), ground ? before - height : 0.0, sent.rgb,
-                               stepLength);
+    ivec2 texel = 2 * cell + 1 + side * abs(line.ray.major);
+    float weight = clamp(minor - float(line.north ? cell.x : cell.y), 0.0, 1.0);
+    return mix(texelFetch(faces, texel, 0), texelFetch(faces, texel + line.ray.minor, 0), weight);
+}
+
+#ifdef SUN
+// Height over the sun's shadow, and its softness, where a line or a ray crosses between two posts.
+vec2 overAt(Line line, int major, float minor)
+{
+    int whole = clamp(int(floor(minor)), 0, line.length.y - 1);
+    ivec2 post = postAt(line, clamp(major, 0, line.length.x - 1), whole);
+    return mix(overSunShadow(post), overSunShadow(min(post + line.ray.minor, size - 1)),
+               clamp(minor - float(whole), 0.0, 1.0));
+}
+
+// What sunFacing() is to be multiplied by, as in faceAt().
+vec3 sunlit(Line line, ivec2 cell, int side, float minor)
+{
+    bool second = minor - float(line.north ? cell.x : cell.y) > 0.5;
+    ivec2 nearest = cell + side * abs(line.ray.major) + (second ? line.ray.minor : ivec2(0));
+    return sunIrradiance * texelFetch(albedo, min(nearest, textureSize(albedo, 0) - 1), 0).rgb;
+}
+#endif
+
+// A place that a line has come to.
+struct Place
+{
+    Length height;
+    float minor;
+    vec2 over; // the sun's shadow
+};
+
+Place nowhere()
+{
+    return Place(VOID_HEIGHT, 0.0, vec2(0.0));
+}
+
+Place placeAt(Line line, int major)
+{
+    Place place;
+    place.minor = minorAt(line, float(major));
+    place.height = heightAt(line, major);
+#ifdef SUN
+    place.over = overAt(line, major, place.minor);
+#else
+    place.over = vec2(0.0);
+#endif
+    return place;
+}
+
+// The step of ground that ends at a place; before: its farther end.
+Passed passedAt(Line line, int walked, Place before, Place now, Length stepLength)
+{
+    int major = majorAt(line, walked);
+    int ahead = line.look > 0 ? 1 : 0;
+    ivec2 cell = cellOf(line, major - 1 + ahead, 0.5 * (before.minor + now.minor));
+    vec4 far = faceAt(line, cell, ahead, before.minor);
+    vec4 near = faceAt(line, cell, 1 - ahead, now.minor);
+    bool ground = !isVoid(before.height) && !isVoid(now.height) && far.a > 0.0;
+    vec3 sent = 0.5 * (far.rgb + near.rgb);
+    vec3 more = far.rgb - near.rgb;
+#ifdef SUN
+    vec3 sun = sunlit(line, cell, ahead, before.minor);
+    float lit = sunBetween(before.over, now.over);
+    // Where an edge goes through it, one end has more of it.
+    float tilt = (before.over.x > now.over.x ? 6.0 : -6.0) * lit * (1.0 - lit);
+    sent += sun * (0.5 * (far.a + near.a) * lit);
+    more += sun * ((far.a - near.a) * lit + 0.5 * (far.a + near.a) * tilt);
+#endif
+    Passed passed = passedStep(before.height, float(walked - 1), before.height - now.height, sent,
+                               more, stepLength);
     if (!ground)
         passed = passedNothing();
     return passed;
@@ -210,11 +261,13 @@ SliceGather addLevel(SliceGather slice, const int level, Receiver receiver)
 {
     const int oldest = level * ENTRIES;
     for (int i = ENTRIES - 1; i >= ENTRIES / 2; --i)
-        slice = addPassed(slice, history[oldest + i], receiver.here, float(receiver.walked),
-                          receiver.stepLength, receiver.cap, receiver.width);
+        slice = addPassed(slice, history[oldest + i], float(1 << level), receiver.here,
+                          float(receiver.walked), receiver.stepLength, receiver.cap,
+                          receiver.width);
     for (int i = ENTRIES / 2 - 1; i >= 0; --i)
-        slice = addPassed(slice, history[oldest + i], receiver.here, float(receiver.walked),
-                          receiver.stepLength, receiver.cap, receiver.width);
+        slice = addPassed(slice, history[oldest + i], float(1 << level), receiver.here,
+                          float(receiver.walked), receiver.stepLength, receiver.cap,
+                          receiver.width);
     return slice;
 }
 
@@ -235,15 +288,54 @@ vec3 receive(Line line, ivec2 post, int walked)
     // in where nothing else is seen up to the crest.
     Slope plane = gradient.x * cosine + gradient.y * sine;
     Slope own = ownCellSlope(heights, post + frame, receiver.here, line.ray);
-    vec3 sent = sentAt(vec2(post) + 0.01 * line.ray.step).rgb;
-    SliceGather slice = startGather(raisedSlope(plane, own / receiver.stepLength, receiver.cap),
-                                    sent, receiver.width);
+    int major = majorAt(line, walked);
+    float minor = float(line.north ? post.x : post.y);
+    int ahead = line.look > 0 ? 1 : 0;
+    ivec2 cell = cellOf(line, major - 1 + ahead, minor + 0.5 * line.ray.drift);
+    vec4 from = faceAt(line, cell, 1 - ahead, minor);
+    Slope before = own / receiver.stepLength;
+    vec3 sent = from.rgb;
+#ifdef SUN
+    vec2 over = overSunShadow(post);
+    sent += sunlit(line, cell, 1 - ahead, minor) * from.a * sunBetween(over, over);
+    Length lastHeight = receiver.here;
+#endif
+    SliceGather slice =
+        startGather(raisedSlope(plane, before, receiver.cap), sent, receiver.width);
     for (int i = 1; i <= NEAR; ++i)
     {
         Length height = heightAtStep(heights, post, line.ray, i, size, frame);
-        sent = sentAt(vec2(post) + (float(i) - 0.5) * line.ray.step).rgb;
         Slope slope = (height - receiver.here) / (float(i) * receiver.stepLength);
-        slice = addSegment(slice, slope, sent, receiver.cap, receiver.width);
+        cell = cellOf(line, major - 1 + ahead, minor + 0.5 * line.ray.drift);
+        from = faceAt(line, cell, 1 - ahead, minor);
+        major += line.look;
+        minor += line.ray.drift;
+        vec4 to = faceAt(line, cell, ahead, minor);
+        // What is seen of the step is its farther part.
+        float seen = clamp((slice.highest - before) / max(slope - before, 1.0e-6), 0.0, 1.0);
+        from = mix(from, to, seen);
+#ifdef SUN
+        vec2 farther = overAt(line, major, minor);
+        // Up to where the sun's shadow begins or ends, and from there on.
+        over = mix(over, farther, seen);
+        float edge = isVoid(lastHeight) ? 1.0 : shadowCrossing(over.x, farther.x);
+        vec2 overEdge = mix(over, farther, edge);
+        vec4 between = mix(from, to, edge);
+        vec3 lit = sunlit(line, cell, ahead, minor);
+        vec3 sun = lit * sunBetween(over, overEdge);
+        edge = mix(seen, 1.0, edge);
+        Length rise = crossingHeight(lastHeight, height, edge) - receiver.here;
+        Slope atEdge = rise / (max(float(i - 1) + edge, 1.0e-3) * receiver.stepLength);
+        slice = addGradedSegment(slice, atEdge, from.rgb + sun * from.a,
+                                 between.rgb + sun * between.a, receiver.cap, receiver.width);
+        sun = lit * sunBetween(overEdge, farther);
+        from.rgb = between.rgb + sun * between.a;
+        to.rgb += sun * to.a;
+        over = farther;
+        lastHeight = height;
+#endif
+        slice = addGradedSegment(slice, slope, from.rgb, to.rgb, receiver.cap, receiver.width);
+        before = slope;
     }
 #define ADD_LEVEL(level) slice = addLevel(slice, level, receiver);
     ADD_LEVEL(0)
@@ -288,7 +380,7 @@ void main()
     CLEAR_LEVEL(1)
     FROM_LEVEL_2(CLEAR_LEVEL)
     counts[0] = ENTRIES; // of nothing, so that level 1 is full only where a block begins
-    Length before = VOID_HEIGHT;
+    Place before = nowhere();
     for (int block = begin; block <= end; block += BLOCK)
     {
         makeRoom(1, true, stepLength);
@@ -298,9 +390,11 @@ void main()
         {
             int passed = walked - NEAR;
             bool inside = passed >= line.first && passed <= line.last;
-            Length height = inside ? heightAt(line, majorAt(line, passed)) : VOID_HEIGHT;
-            Passed step = passedAt(line, passed, before, height, stepLength);
-            before = height;
+            Place now = nowhere();
+            if (inside)
+                now = placeAt(line, majorAt(line, passed));
+            Passed step = passedAt(line, passed, before, now, stepLength);
+            before = now;
             makeRoom(0, true, stepLength);
             enter(0, step, true);
             enter(1, joined, leaves);

@@ -246,40 +246,6 @@ TYPED_TEST(SkyFunctions, VisibleDiscAcrossABentHorizonIsItsArea)
     EXPECT_LE(gentle, 0.005);
 }
 
-TYPED_TEST(SkyFunctions, DiscOnACellEndsWhereItsHorizonDoes)
-{
-    // A shadow's edge that crosses a cell as a straight line: the disc stands 2° over the corners'
-    // horizons on one side and −1° on the other, so its centre is on the horizon at 2/3 of the way,
-    // and a disc of 0.3° is whole up to 0.1 before and gone 0.1 behind. Its light is the cosine's
-    // share / π.
-    CheckedGlsl<TypeParam> glsl;
-    using Vec3 = typename CheckedGlsl<TypeParam>::vec3;
-    using Vec4 = typename CheckedGlsl<TypeParam>::vec4;
-    const auto degrees = [](double angle) { return TypeParam(angle * pi / 180.0); };
-    const Vec3 normal = {TypeParam(0.0), TypeParam(0.6), TypeParam(0.8)};
-    const Vec3 direction = {TypeParam(0.8), TypeParam(0.36), TypeParam(0.48)};
-    const double whole = (0.6 * 0.36 + 0.8 * 0.48) / pi;
-    for (const bool turned : {false, true})
-    {
-        const Vec4 above = turned ? Vec4{degrees(2), degrees(2), degrees(-1), degrees(-1)}
-                                  : Vec4{degrees(2), degrees(-1), degrees(2), degrees(-1)};
-        for (const auto& [way, visible] : std::vector<std::array<double, 2>>{
-                 {0.0, 1.0}, {0.56, 1.0}, {2.0 / 3.0, 0.5}, {0.77, 0.0}, {1.0, 0.0}})
-            for (const double across : {0.0, 0.3, 1.0})
-            {
-                const double found = static_cast<double>(glsl.discOnCell(
-                    above, TypeParam(turned ? across : way), TypeParam(turned ? way : across),
-                    degrees(0.3), normal, direction));
-                // At the edge a rounding of the angle, 2° · 2^-24, is 1e-6 of the disc.
-                EXPECT_NEAR(found, visible * whole, 2e-6) << way << ' ' << across;
-            }
-    }
-    const Vec3 away = {TypeParam(-0.8), TypeParam(0.0), TypeParam(0.6)};
-    const Vec4 high = {degrees(9), degrees(9), degrees(9), degrees(9)};
-    EXPECT_EQ(glsl.discOnCell(high, TypeParam(0.5), TypeParam(0.5), degrees(0.3), away, direction),
-              TypeParam(0));
-}
-
 TYPED_TEST(SkyFunctions, SkySliceIsTheIntegralOfItsDefinition)
 {
     using G = CheckedGlsl<TypeParam>;

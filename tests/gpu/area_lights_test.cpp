@@ -711,7 +711,8 @@ TEST(AreaLights, AddUpAndLeaveNothingBehind)
                     ASSERT_TRUE(std::isfinite(light[c]) && light[c] >= 0.0f);
                     // Each is rounded to half floats, and again after each bounce.
                     ASSERT_NEAR(light[c], sum,
-                                2.0f * float(1 + 2 * bounces) * float(halfError) * sum + 1e-6f);
+                                2.0f * float(1 + 2 * bounces) * float(halfError) * sum + 1e-6f)
+                        << bounces << " bounces at " << column << ", " << row;
                 }
                 if (!tile.isValid(column, row))
                 {

@@ -150,9 +150,9 @@ TEST(BounceInterval, LightThatMovesBringsBouncesInEveryNthUpdate)
     const osg::ref_ptr<TileLight> lighting = new TileLight(terrain(), settingsOf(2, 4), sunAt(0.0));
     update(*lighting, state);
     EXPECT_FALSE(lighting->isDirty(id));
-    std::map<std::string, unsigned> counts = {{"horizon", 1}, {"table", 0},  {"sky", 1},
-                                              {"sun", 1},     {"key", 0},    {"shade", 1},
-                                              {"sent", 2},    {"bounce", 2}, {"compose", 1}};
+    std::map<std::string, unsigned> counts = {
+        {"horizon", 1}, {"table", 0},  {"sky", 1},  {"sun", 1},    {"key", 0},
+        {"shade", 1},   {"shadow", 1}, {"sent", 2}, {"bounce", 2}, {"compose", 1}};
     EXPECT_EQ(countsOf(*lighting), counts);
     unsigned waits = 0;
     for (unsigned step = 1; step <= 12; ++step)
@@ -161,6 +161,7 @@ TEST(BounceInterval, LightThatMovesBringsBouncesInEveryNthUpdate)
         EXPECT_TRUE(lighting->isDirty(id));
         update(*lighting, state);
         ++counts["sun"];
+        ++counts["shadow"];
         ++counts["shade"];
         ++counts["compose"];
         const std::map<std::string, unsigned> found = countsOf(*lighting);

@@ -322,9 +322,9 @@ TEST(Gloss, CostsNothingWhereThereIsNone)
     // It also owns the lengths of steps, a float per row and azimuth, which are the bounces', too.
     EXPECT_EQ(stage().bytes, expected + 4u * 25u * static_cast<unsigned>(settings.azimuths));
     // Only gloss reads pyramids: two floats per texel of heights, and for each bounce four half
-    // floats per texel of what cells send.
+    // floats per texel of what cells send, and per cell.
     const std::size_t pyramids =
-        8u * texels(layout) + 2u * 8u * texels(PyramidLayout::ofCells(32, 24));
+        8u * texels(layout) + 2u * 8u * (texels(PyramidLayout::ofCells(32, 24)) + 32u * 24u);
     EXPECT_EQ(lighting->bytes(), before + expected + pyramids);
     const Raster<osg::Vec4f> mixed = lighting->readShading(state);
     EXPECT_GT(mixed.at(16, 12).x(), shading.at(16, 12).x());

@@ -400,6 +400,45 @@ TEST(ShaderFunctions, Sky)
     }
 }
 
+TEST(ShaderFunctions, Shadow)
+{
+    OTL_NEED_GL(context);
+    G glsl;
+    std::mt19937 random(43);
+    std::uniform_real_distribution<float> uniform(-1.0f, 1.0f);
+    Raster<float> arguments(1024, 5);
+    for (float& argument : arguments.values())
+        argument = uniform(random);
+    const Raster<float> found = evaluate(*context, R"(
+    Shadow a = addCrest(noShadow(), 100.0 * arg(0), 50.0 + 40.0 * arg(1), 0.5);
+    Shadow b = addCrest(a, 100.0 * arg(2), 50.0 + 40.0 * arg(3), 0.5);
+    Shadow mixed = mixShadows(a, b, 0.5 + 0.5 * arg(4));
+    vec2 over = overShadow(mixed, 0.0, elevationOfSlope(0.5), 0.5, 0.01, 30.0);
+    put(0, mixed.height);
+    put(1, over.x);
+    put(2, meanDiscFraction(2.0 * arg(0), 2.0 * arg(1)));
+    put(3, shadowCrossing(arg(0), arg(1)));
+)",
+                                         arguments, 4);
+    for (int i = 0; i < arguments.width(); ++i)
+    {
+        const auto arg = [&](int row) { return arguments.at(i, row); };
+        const auto a =
+            glsl.addCrest(glsl.noShadow(), 100.0f * arg(0), 50.0f + 40.0f * arg(1), 0.5f);
+        const auto b = glsl.addCrest(a, 100.0f * arg(2), 50.0f + 40.0f * arg(3), 0.5f);
+        const auto mixed = glsl.mixShadows(a, b, 0.5f + 0.5f * arg(4));
+        const auto over =
+            glsl.overShadow(mixed, 0.0f, glsl.elevationOfSlope(0.5f), 0.5f, 0.01f, 30.0f);
+        // Heights of up to 150 m.
+        EXPECT_NEAR(found.at(i, 0), mixed.height, 150.0 * 8.0 * ulp);
+        EXPECT_NEAR(found.at(i, 1), over.x, 150.0 * 16.0 * ulp);
+        // Quotients by more than 0.1 of what is below 2.
+        EXPECT_NEAR(found.at(i, 2), glsl.meanDiscFraction(2.0f * arg(0), 2.0f * arg(1)),
+                    2.0 / 0.1 * 8.0 * ulp);
+        EXPECT_NEAR(found.at(i, 3), glsl.shadowCrossing(arg(0), arg(1)), 8.0 * ulp);
+    }
+}
+
 // Eight steps of a line, entered one by one and joined in pairs, seen from beyond.
 TEST(ShaderFunctions, LineHistory)
 {
@@ -420,12 +459,12 @@ TEST(ShaderFunctions, LineHistory)
         {
             int at = 2 * pair + i;
             steps[i] = passedStep(40.0 * arg(at), float(at), 20.0 * (arg(at) - arg(at + 1)),
-                                  vec3(arg(at) + 1.0, 1.0, 2.0), 30.0);
+                                  vec3(arg(at) + 1.0, 1.0, 2.0), vec3(arg(at) + 2.0, 0.5, 2.0), 30.0);
         }
         Passed piece = joinPassed(steps[0], pair == 2 ? passedNothing() : steps[1], 30.0);
         light += piece.light;
         put(pair, piece.end.y);
-        slice = addPassed(slice, piece, 10.0 * arg(9), 10.0, 30.0, 0.5 + arg(10), 0.2);
+        slice = addPassed(slice, piece, 2.0, 10.0 * arg(9), 10.0, 30.0, 0.5 + arg(10), 0.2);
     }
     put(4, light.x);
     put(5, light.w);
@@ -447,14 +486,15 @@ TEST(ShaderFunctions, LineHistory)
                 const int at = 2 * pair + i;
                 steps[std::size_t(i)] =
                     glsl.passedStep(40.0f * arg(at), float(at), 20.0f * (arg(at) - arg(at + 1)),
-                                    G::vec3(arg(at) + 1.0f, 1.0f, 2.0f), 30.0f);
+                                    G::vec3(arg(at) + 1.0f, 1.0f, 2.0f),
+                                    G::vec3(arg(at) + 2.0f, 0.5f, 2.0f), 30.0f);
             }
             const auto piece =
                 glsl.joinPassed(steps[0], pair == 2 ? glsl.passedNothing() : steps[1], 30.0f);
             light += piece.light;
             EXPECT_EQ(found.at(column, pair), piece.end.y);
-            slice =
-                glsl.addPassed(slice, piece, 10.0f * arg(9), 10.0f, 30.0f, 0.5f + arg(10), 0.2f);
+            slice = glsl.addPassed(slice, piece, 2.0f, 10.0f * arg(9), 10.0f, 30.0f, 0.5f + arg(10),
+                                   0.2f);
         }
         // Eight products of up to 2 and 40.
         EXPECT_NEAR(found.at(column, 4), light.x, 8.0 * 80.0 * 4.0 * ulp);

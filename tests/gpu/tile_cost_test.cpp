@@ -58,21 +58,24 @@ TEST(TileCost, WithoutBouncesIsWhatItWasBeforeWorkWasDeclared)
     lighting->releaseGLObjects(&context->state());
 }
 
-// Half floats of four channels: direct light, and of each bounce its light and what cells send.
-// What all bounces compute with: sums of four floats and gradients of two, a length of a step per
-// azimuth and row, and a texel of albedo.
+// Half floats of four channels: direct light, and of each bounce its light and what the four faces
+// at a post send. What all bounces compute with: sums of four floats and gradients of two, a length
+// of a step per azimuth and row, and a texel of albedo. Of the sun's shadow two half floats, and
+// two floats along lines, of which there is one more than posts.
 TEST(TileCost, OfBouncesIsOneTextureOfLightAndOneOfWhatIsSentForEach)
 {
     OTL_NEED_GL(context);
     const std::size_t once = (8 + 16 + 8) * posts + 4u * azimuths * std::size_t(height) + 8;
-    const std::size_t each = 8 * posts + 8u * std::size_t((width - 1) * (height - 1));
+    const std::size_t shadow = 4 * posts + 8u * std::size_t((width + 1) * (height + 1));
+    const std::size_t each = 8 * posts + 4u * 8u * posts;
     for (const unsigned bounces : {1u, 3u})
     {
         const osg::ref_ptr<TileLight> lighting = lit(context->state(), int(bounces));
-        EXPECT_EQ(lighting->bytes(), bytesWithoutBounces + once + bounces * each) << bounces;
+        EXPECT_EQ(lighting->bytes(), bytesWithoutBounces + once + shadow + bounces * each)
+            << bounces;
         const std::map<std::string, unsigned> expected = {
-            {"horizon", 1},    {"sky", 1},          {"sun", 1},    {"shade", 1},
-            {"sent", bounces}, {"bounce", bounces}, {"compose", 1}};
+            {"horizon", 1}, {"sky", 1},        {"sun", 1},          {"shadow", 1},
+            {"shade", 1},   {"sent", bounces}, {"bounce", bounces}, {"compose", 1}};
         EXPECT_EQ(runsOf(*lighting), expected) << bounces;
         lighting->releaseGLObjects(&context->state());
     }
@@ -117,11 +120,11 @@ std::set<std::string> stagesBehind(Invalidation invalidates)
     using I = Invalidation;
     std::set<std::string> stages;
     if (meets(invalidates, I::Heights | I::Horizons | I::Method))
-        stages = {"horizon", "sun", "key", "sky", "pyramid"};
+        stages = {"horizon", "sun", "shadow", "key", "sky", "pyramid"};
     if (meets(invalidates, I::SkyShape))
         stages.insert({"sky", "table"});
     if (meets(invalidates, I::SunPlace))
-        stages.insert("sun");
+        stages.insert({"sun", "shadow"});
     if (meets(invalidates, I::Keys))
         stages.insert("key");
     if (meets(invalidates, I::Transport | I::Pace | I::Gloss))

@@ -125,7 +125,7 @@ rays code-slope 's/real\(-1\.57\), real\(1\.57\)/real(-1.0), real(1.0)/'
 rays plane-sign 's/return -\(normal/return (normal/'
 gather raised-cap 's/min\(slope, cap\)/slope/'
 gather raised-hidden 's/slope > highest \? (max.*) : highest;/min(slope, cap);/'
-gather gather-start 's/slice\.moments = sliceMoments\(plane/slice.moments = sliceMoments(real(0.0)/'
+gather gather-start 's/slice\.moments = gradedMoments\(plane/slice.moments = gradedMoments(real(0.0)/'
 gather gather-outward 's/slice\.moments\.y - next\.moments\.y/next.moments.y - slice.moments.y/'
 gather gather-last 's/slope > slice\.highest \? sent : slice\.last/sent/'
 gather gather-crest 's/addSegment\(slice, cap,/addSegment(slice, slice.highest,/'
@@ -143,9 +143,27 @@ passed history-rise 's/max\(rise, LEAST_RISE \* stepLength\)/LEAST_RISE * stepLe
 passed history-least 's/max\(rise, LEAST_RISE \* stepLength\)/rise/'
 passed history-join 's/farther\.light \+ nearer\.light/farther.light/'
 passed history-end 's/\? farther\.end : nearer\.end/? nearer.end : farther.end/'
+passed history-tilt 's/farther\.tilt \+ nearer\.tilt \+/farther.tilt + nearer.tilt -/'
+passed history-part 's/top - tilt \* part/top/'
 passed history-place 's/position - passed\.end\.y/position/'
 mutate gather-received lib/gather.glsl 's/slice\.outward \* along/slice.upward * along/' \
   gpu_tests:ShaderFunctions.LineHistory
+shadow()
+{
+  mutate "$1" lib/shadow.glsl "$2" gpu_tests:ShaderFunctions.Shadow
+}
+shadow shadow-crest 's/height > shadow\.height/height < shadow.height/'
+shadow shadow-sink 's/crest - distance \* sun/crest/'
+shadow shadow-bound 's/clamp\(over, -most, most\)/over/'
+shadow shadow-crossing 's/from \/ \(from - to\)/to \/ (to - from)/'
+shadow shadow-mean 's/discFractionIntegral\(to\) - discFractionIntegral\(from\)/discFractionIntegral(to)/'
+mutate shadow-lines passes/shadow_lines.comp 's/shadow\.height -= stepLength/shadow.height += stepLength/' \
+  gpu_tests:BounceClosedForm.CorrugationsInTheSun
+mutate shadow-far passes/shadow_edge.comp 's/if \(far\.height > shadow\.height\)/if (false)/' \
+  gpu_tests:BounceClosedForm.CorrugationsInTheSun
+mutate faces-views passes/faces.comp 's/min\(views\[i\] .*MOST_MORE\)/1.0/' \
+  'gpu_tests:*HardGround*/Mine'
+mutate faces-inside passes/faces.comp 's/INSIDE = 0\.2/INSIDE = 1.0/' 'gpu_tests:*HardGround*/Mine'
 sweep()
 {
   mutate "$1" passes/bounce_sweep.comp "$2" \
@@ -153,11 +171,13 @@ sweep()
 }
 sweep bounce-look 's/line\.look > 0 \? line\.length\.x - 1 - walked : walked/walked/'
 sweep bounce-late 's/int passed = walked - NEAR/int passed = walked/'
-sweep bounce-segment 's/float\(walked - 1\), ground/float(walked), ground/'
+sweep bounce-segment 's/float\(walked - 1\), before/float(walked), before/'
 sweep bounce-room 's/counts\[level\] -= leaves \? 2 : 0/counts[level] -= leaves ? 1 : 0/'
 sweep bounce-oldest 's/history\[oldest \+ i\] = history\[oldest \+ i \+ 2\]/history[oldest + i] = history[oldest + i]/'
 sweep bounce-sum 's/sum \+ vec4\(receive/vec4(receive/'
-sweep bounce-own 's/raisedSlope\(plane, own \/ receiver\.stepLength, receiver\.cap\)/plane/'
+sweep bounce-own 's/raisedSlope\(plane, before, receiver\.cap\)/plane/'
+sweep bounce-void 's/if \(!ground\)/if (false)/'
+sweep bounce-edge 's/6\.0 : -6\.0/-6.0 : 6.0/'
 mutate bounce-own-sum passes/bounce_own.comp 's/sum \+= received/sum = received/' "gpu_tests:BounceClosedForm.*"
 
 [[ $count -gt 0 ]] || complain "no mutation of the name ${wanted[*]}"

@@ -15,6 +15,9 @@
 #ifndef GL_RG
 #define GL_RG 0x8227
 #endif
+#ifndef GL_RG16F
+#define GL_RG16F 0x822F
+#endif
 #ifndef GL_RG32F
 #define GL_RG32F 0x8230
 #endif

@@ -24,6 +24,8 @@ std::string nameOf(GLint format)
         return "R32F";
     case GL_R32UI:
         return "R32UI";
+    case GL_RG16F:
+        return "RG16F";
     case GL_RG32F:
         return "RG32F";
     case GL_RGBA16F_ARB:

@@ -29,6 +29,8 @@ Format formatOf(GLint internalFormat)
         return {internalFormat, GL_RED, GL_UNSIGNED_SHORT, 2};
     case GL_R32UI:
         return {internalFormat, GL_RED_INTEGER, GL_UNSIGNED_INT, 4};
+    case GL_RG16F:
+        return {internalFormat, GL_RG, GL_HALF_FLOAT, 4};
     case GL_RG32F:
         return {internalFormat, GL_RG, GL_FLOAT, 8};
     case GL_RGBA16F_ARB:

@@ -87,7 +87,7 @@ osg::ref_ptr<Resource> Slices::declareBounce(WorkGraph::Nodes& nodes)
 {
     const bool isFirst = _bounce++ == 0;
     _sent = isFirst ? new SentNode(*_inputs, *_surface, _lights, horizon())
-                    : new SentNode(*_inputs, *_surface, _light);
+                    : new SentNode(*_inputs, *_surface, horizon(), _light);
     if (_gloss)
         _sent->addPyramid(_rays->cells());
     if (_gloss && !_gloss->isVector())

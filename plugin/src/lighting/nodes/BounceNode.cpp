@@ -9,7 +9,7 @@ BounceNode::BounceNode(const TileSurface& surface, BounceSweep* sweep, SentNode*
 {
     reads(surface.heights());
     reads(horizon);
-    reads(sent->radiance());
+    reads(sent->faces());
     writes(own(light));
 }
 

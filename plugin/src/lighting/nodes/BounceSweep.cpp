@@ -16,11 +16,11 @@ constexpr int mostLevels = 13;
 
 SweepScheme SweepScheme::of(HorizonQuality quality, int width, int height)
 {
-    SweepScheme scheme{4, 5};
+    SweepScheme scheme{3, 4, 5};
     if (quality == HorizonQuality::Draft)
-        scheme.entries = 2;
+        scheme = {2, 2, 5};
     if (quality == HorizonQuality::Best)
-        scheme.entries = 8;
+        scheme = {4, 8, 5};
     const int steps = std::max(width, height);
     while (scheme.levels < mostLevels && scheme.entries * ((1 << scheme.levels) - 1) < steps)
         scheme.levels += 2;
@@ -29,7 +29,8 @@ SweepScheme SweepScheme::of(HorizonQuality quality, int width, int height)
 
 std::vector<std::string> SweepScheme::defines() const
 {
-    return {"ENTRIES " + std::to_string(entries), "LEVELS " + std::to_string(levels)};
+    return {"NEAR " + std::to_string(near), "ENTRIES " + std::to_string(entries),
+            "LEVELS " + std::to_string(levels)};
 }
 
 SweepScratch::SweepScratch(const TileSurface& surface, int azimuths)
@@ -42,7 +43,7 @@ SweepScratch::SweepScratch(const TileSurface& surface, int azimuths)
 BounceSweep::BounceSweep(const TileInputs& inputs, const TileSurface& surface,
                          const LightSources& lights, Resource* horizon, const SweepScratch& scratch,
                          bool first)
-    : _surface(&surface), _lights(first ? lights : LightSources()), _isFirst(first),
+    : _surface(&surface), _lights(first ? lights : LightSources()),
       _scheme(SweepScheme::of(inputs.settings.quality, surface.width(), surface.height())),
       _own(own(new GpuPass("bounce_own"))), _sweep(own(new GpuPass("bounce_sweep"))),
       _finish(own(new GpuPass("bounce_finish")))
@@ -73,18 +74,13 @@ BounceSweep::BounceSweep(const TileInputs& inputs, const TileSurface& surface,
 Status BounceSweep::dispatch(osg::State& state, const SentNode& sent, Resource* before,
                              Resource* light)
 {
-    bindLights(*_own, _lights,
-               _isFirst ? std::vector<std::string>{"DIRECT"} : std::vector<std::string>{});
-    _own->reads(_isFirst ? "direct" : "lastLight", before);
+    const LightSources varying = varyingInCells(_lights);
+    bindLights(*_own, varying);
+    _own->reads("faces", sent.faces());
+    _own->reads("direct", before);
     Status done = _own->dispatch(state, _surface->groups());
-
-    // Cells have what other lights give; of the sun they have the mean.
-    LightSources single;
-    for (const auto& source : _lights)
-        if (source->variesInCells())
-            single.push_back(source);
-    bindLights(*_sweep, single, _scheme.defines());
-    _sweep->reads("radiance", sent.radiance());
+    bindLights(*_sweep, varying, _scheme.defines());
+    _sweep->reads("faces", sent.faces());
     for (std::size_t k = 0; done && k < _lines.size(); ++k)
     {
         _sweep->set("azimuth", static_cast<int>(k));

@@ -19,6 +19,7 @@ namespace osgTerrainLight
 /// How finely a line keeps what it has passed (shaders/lib/line_history.glsl).
 struct SweepScheme
 {
+    int near;    ///< steps that a post sees on its own ray
     int entries; ///< of a level, even: each doubling of the distance is seen in about as many
     int levels;  ///< 5, 7, 9, 11 or 13: as many as a line of the tile fills
 
@@ -54,7 +55,6 @@ private:
 
     osg::ref_ptr<const TileSurface> _surface;
     LightSources _lights; ///< none where not the first
-    bool _isFirst;
     SweepScheme _scheme;
     std::vector<int> _lines; ///< of every azimuth
     GpuPass *_own, *_sweep, *_finish;

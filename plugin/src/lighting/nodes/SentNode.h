@@ -10,7 +10,7 @@
 namespace osgTerrainLight
 {
 
-/// What cells between posts send out diffusely in one bounce: shaders/passes/radiance.comp.
+/// What the faces between posts send out diffusely in one bounce: shaders/passes/faces.comp.
 class SentNode : public Node
 {
 public:
@@ -19,16 +19,21 @@ public:
     SentNode(const TileInputs& inputs, const TileSurface& surface, const LightSources& lights,
              Resource* horizon);
     /// Of the light of the bounce before, a texel per post.
-    SentNode(const TileInputs& inputs, const TileSurface& surface, Resource* light);
+    SentNode(const TileInputs& inputs, const TileSurface& surface, Resource* horizon,
+             Resource* light);
 
-    /// Also writes pyramid().
+    /// Also writes radiance() and pyramid().
     void addPyramid(const PyramidLayout& cells);
     /// Cells also send what their corners' gloss sends towards one viewer.
     void addGloss(const GlossWork& gloss, Resource* exit);
 
     Status run(osg::State& state) override;
 
-    /// RGBA16F, cell (x, y) between posts x, x + 1, y, y + 1: rgb = radiance, a > 0 where valid.
+    /// RGBA16F, four texels per post, the corners of the cells that meet there: rgb = radiance
+    /// without the sun's part, a = 1 where the cell is valid.
+    Resource* faces() const { return _faces; }
+    /// RGBA16F, cell (x, y) between posts x, x + 1, y, y + 1: rgb = radiance in the mean, a = 1
+    /// where valid; null without addPyramid().
     Resource* radiance() const { return _radiance; }
     /// RGBA16F: radiance times weight, weight, coarser and coarser; null without addPyramid().
     Resource* pyramid() const { return _pyramid; }
@@ -40,12 +45,14 @@ private:
 
     osg::ref_ptr<const TileInputs> _inputs;
     osg::ref_ptr<const TileSurface> _surface;
-    PyramidLayout _cells;
+    PyramidLayout _layout;
     bool _ofDirect = false;
     LightSources _lights;
-    Resource* _radiance;
+    Resource* _faces;
+    Resource* _radiance = nullptr;
     Resource* _pyramid = nullptr;
     GpuPass* _pass;
+    GpuPass* _cells = nullptr; ///< means of cells
     GpuPass* _first = nullptr; ///< level of the pyramid, and the next ones
     GpuPass* _next = nullptr;
     GpuPass* _addGloss = nullptr;

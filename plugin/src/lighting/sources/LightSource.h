@@ -27,7 +27,8 @@ public:
     virtual HorizonNode* horizon() const { return nullptr; }
     /// Whether lights.glsl has it in harmonics; gloss.comp has code of its own for the others.
     virtual bool isInHarmonics() const { return true; }
-    /// Whether a cell's mean light is not enough for what sees the cell near.
+    /// Whether its light on a face is not near enough to bilinear between the face's corners: it is
+    /// found where the face is seen.
     virtual bool variesInCells() const { return false; }
     /// Settings or light have changed, which makes this stale: adapts the nodes.
     virtual void follow(Invalidation) {}
@@ -37,6 +38,16 @@ protected:
 };
 
 using LightSources = std::vector<osg::ref_ptr<LightSource>>;
+
+/// Those whose light varies in cells.
+inline LightSources varyingInCells(const LightSources& lights)
+{
+    LightSources varying;
+    for (const auto& light : lights)
+        if (light->variesInCells())
+            varying.push_back(light);
+    return varying;
+}
 
 /// Makes the pass the variant that reads these lights, with `defines` of its own.
 inline void bindLights(GpuPass& pass, const LightSources& lights,

@@ -32,16 +32,22 @@ Sun::Sun(const TileInputs& inputs, const TileSurface& surface)
                                    const auto directions = sunDirections(in->sky);
                                    return std::vector<MapDirection>(directions.begin(),
                                                                     directions.end());
-                               }))
+                               })),
+      _edge(new ShadowEdgeNode(inputs, surface))
 {
     _horizon->follows(inputs.settingsValue);
     _horizon->follows(inputs.sunPlace);
     _horizon->neededWhere([in = _inputs] { return in->hasSun(); });
+    _edge->follows(inputs.settingsValue);
+    _edge->follows(inputs.sunPlace);
+    _edge->neededWhere([in = _inputs, width = surface.width(), height = surface.height()]
+                       { return in->hasSun() && in->bounces(width, height) > 0; });
 }
 
 void Sun::bind(GpuPass& pass, std::vector<std::string>& defines) const
 {
     pass.reads("sunHorizon", _horizon->horizon());
+    pass.reads("sunEdge", _edge->edge());
     pass.set("sunOff", _inputs->sky.sunEnabled ? 0.0f : 1.0f);
     if (!_inputs->hasSun())
         return;

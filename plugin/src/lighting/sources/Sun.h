@@ -4,6 +4,7 @@
 #include "lighting/TileInputs.h"
 #include "lighting/TileSurface.h"
 #include "lighting/nodes/HorizonNode.h"
+#include "lighting/nodes/ShadowEdgeNode.h"
 #include "lighting/sources/LightSource.h"
 
 #include <array>
@@ -20,9 +21,10 @@ class Sun : public LightSource
 public:
     Sun(const TileInputs& inputs, const TileSurface& surface);
 
-    WorkGraph::Nodes nodes() const override { return {_horizon}; }
-    std::vector<Resource*> values() const override { return {_horizon->horizon()}; }
-    /// sunHorizon, sunIrradiance, sunDirection, sunElevation and sunRadius (SUN), or sunOff.
+    WorkGraph::Nodes nodes() const override { return {_horizon, _edge}; }
+    std::vector<Resource*> values() const override { return {_horizon->horizon(), _edge->edge()}; }
+    /// sunHorizon, sunEdge, sunIrradiance, sunDirection, sunElevation and sunRadius (SUN), or
+    /// sunOff.
     void bind(GpuPass& pass, std::vector<std::string>& defines) const override;
     bool variesInCells() const override { return true; } // shadows have edges
 
@@ -34,6 +36,7 @@ private:
 
     osg::ref_ptr<const TileInputs> _inputs;
     osg::ref_ptr<HorizonNode> _horizon;
+    osg::ref_ptr<ShadowEdgeNode> _edge; ///< where light bounces
 };
 
 } // namespace osgTerrainLight
