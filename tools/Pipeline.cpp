@@ -39,7 +39,7 @@ Status choose(LitDem& lit, const RasterOptions& options, const SkyLight& sky,
         return Nothing{};
     osg::State& state = lit.gpu.state();
     Result<SettingsTrial> trial =
-        SettingsTrial::create(state, lit.dem.tile, sky, product, definition,
+        SettingsTrial::create(lit.dem.tile, sky, product, definition,
                               [&progress](double fraction)
                               { progress.reach(readEnd + (trialEnd - readEnd) * fraction); });
     if (!trial)
@@ -61,6 +61,8 @@ Status choose(LitDem& lit, const RasterOptions& options, const SkyLight& sky,
                          ": the fastest settings tried (" +
                          named(choice->settings, sky.skyEnabled) +
                          CPLSPrintf(") need %.3g ms for this raster", choice->milliseconds)};
+    lit.lighting = trial->takeLight();
+    lit.seconds = 1e-3 * choice->milliseconds;
     lit.choice = *choice;
     lit.settings = choice->settings;
     return Nothing{};
@@ -74,11 +76,13 @@ Status compute(LitDem& lit, const SkyLight& sky, SkyViewDefinition definition, P
     first.sunEnabled = sky.sunEnabled && !sky.skyEnabled;
     LightingSettings direct = lit.settings;
     direct.bounces = 0;
-    lit.lighting = new TileLight(lit.dem.tile, direct, first, definition);
+    const bool measured = lit.lighting.valid(); // the choice has computed direct light
+    if (!measured)
+        lit.lighting = new TileLight(lit.dem.tile, direct, first, definition);
     lit.lighting->setAlbedo(lit.albedo);
     for (const bool last : {false, true})
     {
-        if (last)
+        if (last || measured)
         {
             lit.lighting->setSky(sky);
             lit.lighting->setSettings(lit.settings);
@@ -90,7 +94,7 @@ Status compute(LitDem& lit, const SkyLight& sky, SkyViewDefinition definition, P
         progress.reach(0.5 * ((lit.choice ? trialEnd : readEnd) + computeEnd));
     }
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    lit.seconds = took.count();
+    lit.seconds += took.count();
     for (const StageCost& cost : lit.lighting->costs())
         if (cost.dispatches > 0)
             lit.azimuths += cost.name == "horizon" ? lit.settings.azimuths

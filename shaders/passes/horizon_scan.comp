@@ -4,11 +4,14 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D heights;    // R32F [m], framed by `frame` void posts, row 0 south
 uniform sampler2D posts;      // R32F, 2 x count: column, row
-uniform sampler2D directions; // R32F, 3 x count: as the first three of horizon_sweep.comp's
+// R32F, 4 x count: as the first three of horizon_sweep.comp's, and the lowest slope that matters
+// [m per step]; 0: all do
+uniform sampler2D directions;
 layout(r32f, binding = 0) writeonly uniform image2D slopes; // [m per step], post x direction
 
 uniform ivec2 size; // posts of the tile
 uniform int frame;
+uniform float highest; // post [m]
 uniform ivec2 count; // posts, directions
 
 void main()
@@ -35,6 +38,12 @@ void main()
     // The ray may leave by its side before its end; a row crossing can stand in the step after.
     if (room < abs(drift) * float(steps))
         steps = min(steps, int(room / abs(drift)) + 1);
+    float lowest = texelFetch(directions, ivec2(3, id.y), 0).x;
+    float rise = highest - texelFetch(heights, post + frame, 0).x;
+    // Farther away than this no post rises above the lowest slope. A row crossing can stand up to a
+    // step before the column that ends its step.
+    if (rise < lowest * float(steps))
+        steps = min(steps, int(rise / lowest) + 2);
     float slope = horizonAlongRay(heights, post + frame, major, minor, abs(drift), steps);
     imageStore(slopes, id, vec4(slope));
 }

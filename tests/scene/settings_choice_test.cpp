@@ -169,10 +169,10 @@ TEST(SettingsChoice, KeepsAMaximumErrorOnTerrainItNeverSaw)
     const std::vector<Unseen> terrains = unseenTerrains();
     ASSERT_EQ(terrains.size(), 20u);
     std::map<double, int> met, kept;
-    int cheapestMisses = 0;
+    int chosen = 0, cheapestMisses = 0;
     for (const Unseen& unseen : terrains)
     {
-        Result<SettingsTrial> trial = SettingsTrial::create(state, unseen.tile, unseen.sky);
+        Result<SettingsTrial> trial = SettingsTrial::create(unseen.tile, unseen.sky);
         ASSERT_TRUE(trial) << trial.error().message;
         for (const double wanted : {0.01, 0.002})
         {
@@ -192,8 +192,12 @@ TEST(SettingsChoice, KeepsAMaximumErrorOnTerrainItNeverSaw)
                         unseen.name.c_str(), toString(choice->settings.quality),
                         choice->settings.azimuths, choice->error, error,
                         error <= wanted ? "" : " MISSED");
-            if (wanted != 0.01)
+            // Small tiles of low suns are not chosen for: they get what needs no choosing.
+            const bool plain = choice->settings.quality == HorizonQuality::Best &&
+                               choice->settings.azimuths >= 128;
+            if (wanted != 0.01 || plain)
                 continue;
+            ++chosen;
             LightingSettings exact;
             exact.quality = HorizonQuality::Best;
             exact.azimuths = 192;
@@ -211,7 +215,8 @@ TEST(SettingsChoice, KeepsAMaximumErrorOnTerrainItNeverSaw)
     for (const auto& [wanted, count] : met)
         std::printf("%g: met on %d of %zu, kept on %d\n", wanted, count, terrains.size(),
                     kept[wanted]);
-    std::printf("0.01: the cheapest settings miss on %d\n", cheapestMisses);
+    std::printf("0.01: chosen by trial on %d; the cheapest settings miss on %d\n", chosen,
+                cheapestMisses);
     // 1 % is promised to be found, and what is found to hold on 95 % of terrains. That needs a
     // choice: no one setting would do.
     EXPECT_GE(met[0.01], 19);
@@ -228,7 +233,7 @@ TEST(SettingsChoice, MeasuredErrorIsTheTrueOnesBound)
     osg::State& state = context->state();
     const DemTile tile = generateTerrain(TerrainKind::Cliffs, 160, 130, 30.0, 77).value();
     SkyLight sky;
-    Result<SettingsTrial> trial = SettingsTrial::create(state, tile, sky);
+    Result<SettingsTrial> trial = SettingsTrial::create(tile, sky);
     ASSERT_TRUE(trial) << trial.error().message;
     for (const auto& [quality, azimuths] : std::vector<std::pair<HorizonQuality, int>>{
              {HorizonQuality::Draft, 8}, {HorizonQuality::Normal, 16}, {HorizonQuality::Best, 64}})
@@ -255,7 +260,7 @@ TEST(SettingsChoice, TightensWithTheErrorAsked)
     const DemTile tile = generateTerrain(TerrainKind::Fractal, 128, 128, 30.0, 9).value();
     SkyLight sky;
     sky.sunEnabled = false;
-    Result<SettingsTrial> trial = SettingsTrial::create(state, tile, sky);
+    Result<SettingsTrial> trial = SettingsTrial::create(tile, sky);
     ASSERT_TRUE(trial) << trial.error().message;
     int last = 0;
     for (const double wanted : {0.02, 0.002, 0.0005})
@@ -283,7 +288,7 @@ TEST(SettingsChoice, KeepsAFrameTime)
     osg::State& state = context->state();
     const DemTile tile = generateTerrain(TerrainKind::Fractal, 200, 200, 30.0, 10).value();
     SkyLight sky;
-    Result<SettingsTrial> trial = SettingsTrial::create(state, tile, sky);
+    Result<SettingsTrial> trial = SettingsTrial::create(tile, sky);
     ASSERT_TRUE(trial) << trial.error().message;
     LightingSettings cheap;
     cheap.azimuths = 8;
@@ -329,7 +334,7 @@ TEST(SettingsChoice, OnlyASunNeedsNoAzimuths)
     const DemTile tile = generateTerrain(TerrainKind::Fractal, 128, 128, 30.0, 12).value();
     SkyLight sky;
     sky.skyEnabled = false;
-    Result<SettingsTrial> trial = SettingsTrial::create(context->state(), tile, sky);
+    Result<SettingsTrial> trial = SettingsTrial::create(tile, sky);
     ASSERT_TRUE(trial) << trial.error().message;
     LightingSettings base;
     base.azimuths = 20;
@@ -347,7 +352,7 @@ TEST(SettingsChoice, NoLightAndLevelGroundHaveNoError)
     const DemTile tile = analytic::plane(40, 30, 10.0, 5.0);
     for (const SkyLight& sky : {dark, SkyLight{}})
     {
-        Result<SettingsTrial> trial = SettingsTrial::create(context->state(), tile, sky);
+        Result<SettingsTrial> trial = SettingsTrial::create(tile, sky);
         ASSERT_TRUE(trial) << trial.error().message;
         const Result<SettingsChoice> choice = trial->forMaxError(context->state(), {}, 1e-3);
         ASSERT_TRUE(choice) << choice.error().message;
@@ -369,8 +374,7 @@ TEST(SettingsChoice, SaysWhatIsWrong)
     EXPECT_NE(LightingSettings::forFrameTime(0.0, tile, {}).failure.find("max-ms = 0 ms: needs"),
               std::string::npos);
     OTL_NEED_GL(context);
-    const Result<SettingsTrial> trial =
-        SettingsTrial::create(context->state(), DemTile(4, 4, 1.0), {});
+    const Result<SettingsTrial> trial = SettingsTrial::create(DemTile(4, 4, 1.0), {});
     ASSERT_FALSE(trial);
     EXPECT_EQ(trial.error().message, "no valid post: needed at least one to measure settings");
 }

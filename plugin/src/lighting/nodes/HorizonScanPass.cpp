@@ -13,7 +13,7 @@ namespace osgTerrainLight
 
 Result<Raster<double>> scanHorizons(osg::State& state, const DemTile& tile,
                                     const std::vector<TilePost>& posts,
-                                    const std::vector<MapDirection>& directions)
+                                    const std::vector<MapDirection>& directions, double lowest)
 {
     // A scan reads up to two posts beyond the tile.
     constexpr int frame = 2;
@@ -21,6 +21,11 @@ Result<Raster<double>> scanHorizons(osg::State& state, const DemTile& tile,
     constexpr int batch = 64;
     assert(posts.size() <= 16384);
     const int postCount = static_cast<int>(posts.size());
+    float highest = -std::numeric_limits<float>::infinity();
+    for (std::size_t i = 0; i < tile.postCount(); ++i)
+        if (tile.validity()[i])
+            highest = std::max(highest, tile.heights()[i]);
+    const double narrowest = *std::min_element(tile.eastSpacings.begin(), tile.eastSpacings.end());
     Raster<float> postTable(2, postCount);
     for (int i = 0; i < postCount; ++i)
     {
@@ -36,19 +41,22 @@ Result<Raster<double>> scanHorizons(osg::State& state, const DemTile& tile,
     pass->reads("posts", postTexture);
     pass->set("size", tile.width(), tile.height());
     pass->set("frame", frame);
+    pass->set("highest", highest);
 
     Raster<double> tangents(postCount, static_cast<int>(directions.size()));
     for (int first = 0; first < tangents.height(); first += batch)
     {
         const int count = std::min(batch, tangents.height() - first);
         std::vector<GridDirection> grid;
-        Raster<float> directionTable(3, count);
+        Raster<float> directionTable(4, count);
         for (int i = 0; i < count; ++i)
         {
             grid.emplace_back(tile, directions[static_cast<std::size_t>(first + i)]);
             directionTable.at(0, i) = static_cast<float>(grid.back().drift);
             directionTable.at(1, i) = static_cast<float>(grid.back().look);
             directionTable.at(2, i) = grid.back().north ? 1.0f : 0.0f;
+            directionTable.at(3, i) = static_cast<float>(
+                std::max(lowest, 0.0) * grid.back().stepLength(narrowest, tile.northSpacing));
         }
         const osg::ref_ptr<osg::Texture2D> directionTexture = createFloatTexture(directionTable);
         const osg::ref_ptr<osg::Texture2D> slopes = createTarget(postCount, count, GL_R32F);
