@@ -117,3 +117,38 @@ TEST(HorizonScan, OneRowAndOnePost)
                       analytic::makeTile(40, 1, 10.0, [](int x, int) { return x % 7; }), 10);
     expectAsReference(context->state(), analytic::plane(1, 1, 10.0, 3.0), 1);
 }
+
+// Expected: no tangent above the lowest that matters changes by a bit, and none below rises above
+// it.
+TEST(HorizonScan, StopsWhereNothingCanMatter)
+{
+    OTL_NEED_GL(context);
+    for (const TerrainKind kind : {TerrainKind::Fractal, TerrainKind::Cliffs})
+    {
+        const DemTile tile = generateTerrain(kind, 120, 97, 30.0, 11).value();
+        std::vector<TilePost> posts;
+        for (int i = 0; i < 400; ++i)
+            posts.push_back({i * 37 % 120, i * 53 % 97});
+        const std::vector<MapDirection> directions = someDirections();
+        const Raster<double> all = scanHorizons(context->state(), tile, posts, directions).value();
+        for (const double lowest : {0.0, 0.05, 0.3})
+        {
+            const Raster<double> some =
+                scanHorizons(context->state(), tile, posts, directions, lowest).value();
+            int below = 0;
+            for (std::size_t i = 0; i < all.size(); ++i)
+            {
+                EXPECT_EQ(std::max(some.values()[i], lowest), std::max(all.values()[i], lowest));
+                below += some.values()[i] < all.values()[i] ? 1 : 0;
+            }
+            if (lowest == 0.0)
+            {
+                EXPECT_EQ(below, 0);
+            }
+            if (lowest == 0.3) // it does stop: no post rises so high above all others
+            {
+                EXPECT_GT(below, 0);
+            }
+        }
+    }
+}

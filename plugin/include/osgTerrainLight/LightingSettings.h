@@ -115,14 +115,16 @@ inline bool operator!=(const LightingSettings& a, const LightingSettings& b)
 ///
 /// The error is the root mean square, over posts, of the difference in luminance between the
 /// shading and that of exhaustive horizons, divided by the root mean square of the shading: 0.01 is
-/// one per cent. It is measured at random posts. `error` is the upper end of its one-sided 95 %
-/// confidence interval, so at least 95 % of many terrains keep the error that forMaxError() was
-/// asked for (tests/scene/settings_choice_test.cpp tests this on other terrain).
+/// one per cent. It is measured at posts that are drawn where errors are likely. `error` is an
+/// upper bound, so that at least 95 % of many terrains keep the error that forMaxError() was asked
+/// for (tests/scene/settings_bound_test.cpp counts this). forMaxError() gives the same choice for
+/// the same tile and light each time; forFrameTime() rests on measured times.
 struct OSGTERRAINLIGHT_EXPORT SettingsChoice
 {
     LightingSettings settings;
     double error = 0.0;
-    /// GPU time of lighting the tile once [ms], the median of 3.
+    /// GPU time of lighting the tile once [ms]: of forFrameTime() the median of 3, of forMaxError()
+    /// one run.
     double milliseconds = 0.0;
     /// False where no settings reach what was asked; the settings are then those that come closest.
     bool met = false;
