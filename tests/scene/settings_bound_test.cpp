@@ -3,8 +3,8 @@
 // Expected: of bounds that hold with 95 %, at most 5 in 100 are exceeded (docs/methods/
 // choice_by_budget.md). The truth is the exhaustive reference in double at every post. It is
 // computed once per seed, since turning and mirroring a bilinear surface turns and mirrors it.
-#include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
+#include "support/HardGround.h"
 
 #include "core/Luminance.h"
 #include "core/SyntheticTerrain.h"
@@ -18,7 +18,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <random>
 #include <string>
 #include <thread>
 
@@ -36,97 +35,16 @@ int side()
     return given ? std::atoi(given) : 112;
 }
 
-double between(std::mt19937& random, double low, double high)
-{
-    return low + (high - low) * static_cast<double>(random()) / 4294967295.0;
-}
-
-/// Roofs 4 to 16 m high above streets, a post per metre.
-DemTile town(int size, unsigned seed)
-{
-    std::mt19937 random(seed);
-    DemTile tile = analytic::plane(size, size, 1.0, 0.0);
-    for (int house = 0; house < size * size / 260; ++house)
-    {
-        const int column = static_cast<int>(between(random, 0.0, size));
-        const int row = static_cast<int>(between(random, 0.0, size));
-        const int width = static_cast<int>(between(random, 5.0, 15.0));
-        const int depth = static_cast<int>(between(random, 5.0, 15.0));
-        const float roof = static_cast<float>(between(random, 4.0, 16.0));
-        for (int y = row; y < std::min(row + depth, size); ++y)
-            for (int x = column; x < std::min(column + width, size); ++x)
-                tile.setHeight(x, y, roof);
-    }
-    return tile;
-}
-
-/// A bowl cut into benches of 12 m, a post per 5 m.
-DemTile terraces(int size, unsigned seed)
-{
-    std::mt19937 random(seed);
-    const double middleColumn = between(random, 0.4, 0.6) * size;
-    const double middleRow = between(random, 0.4, 0.6) * size;
-    const double wave = between(random, 25.0, 60.0), phase = between(random, 0.0, 2.0 * pi);
-    return analytic::makeTile(
-        size, size, 5.0,
-        [=](int column, int row)
-        {
-            const double away = std::hypot(column - middleColumn, row - middleRow);
-            return 12.0 * std::floor(away / 6.0 + std::sin((column + row) / wave * pi + phase));
-        });
-}
-
-/// Gentle to windward, 32 degrees to leeward, a post per 2 m.
-DemTile dunes(int size, unsigned seed)
-{
-    std::mt19937 random(seed);
-    const double bend = between(random, 25.0, 50.0), phase = between(random, 0.0, 1.0);
-    const double length = between(random, 28.0, 44.0);
-    return analytic::makeTile(
-        size, size, 2.0,
-        [=](int column, int row)
-        {
-            const double along = column / length + phase + 0.3 * std::sin(row / bend);
-            const double place = along - std::floor(along);
-            const double profile =
-                place < 0.72 ? 0.5 - 0.5 * std::cos(pi * place / 0.72) : (1.0 - place) / 0.28;
-            return 0.35 * length * profile * (0.8 + 0.2 * std::cos(row / bend * 1.7 + phase));
-        });
-}
-
-/// Level ground with holes that are steep at the rim, a post per 2 m.
-DemTile sinkholes(int size, unsigned seed)
-{
-    std::mt19937 random(seed);
-    DemTile tile = analytic::plane(size, size, 2.0, 0.0);
-    for (int hole = 0; hole < size * size / 600; ++hole)
-    {
-        const double x = between(random, 0.0, size), y = between(random, 0.0, size);
-        const double radius = between(random, 4.0, 14.0);
-        const double depth = between(random, 1.0, 2.4) * radius;
-        for (int row = 0; row < size; ++row)
-            for (int column = 0; column < size; ++column)
-            {
-                const double r = std::hypot(column - x, row - y) / radius;
-                if (r < 1.0)
-                    tile.setHeight(column, row,
-                                   std::min(tile.heightAt(column, row),
-                                            static_cast<float>(-depth * std::sqrt(1.0 - r * r))));
-            }
-    }
-    return tile;
-}
-
 DemTile ground(const std::string& kind, unsigned seed)
 {
     if (kind == "town")
-        return town(side(), seed);
+        return hard::town(side(), seed);
     if (kind == "terraces")
-        return terraces(side(), seed);
+        return hard::mine(side(), seed);
     if (kind == "dunes")
-        return dunes(side(), seed);
+        return hard::dunes(side(), seed);
     if (kind == "sinkholes")
-        return sinkholes(side(), seed);
+        return hard::sinkholes(side(), seed);
     return generateTerrain(TerrainKind::Fractal, side(), side(), 30.0, seed).value();
 }
 
