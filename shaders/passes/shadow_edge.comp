@@ -35,11 +35,11 @@ Shadow farShadow(GridRay ray, ivec2 post, int steps, float stepLength)
     if (major < 0 || major >= extent.x || minor < 0.0 || minor > float(extent.y - 1))
         return noShadow();
     float base = direction.x * float(major) - max(direction.x, 0.0) * float(extent.x - 1);
-    float line = floor(minor - base);
-    int last = clamp(int(line) + int(floor(base)), -1, extent.y - 2);
+    int whole = int(floor(base));
+    int last = clamp(int(floor(minor - base)) + whole, -1, extent.y - 2);
     ivec2 place = north ? ivec2(last + 1, major) : ivec2(major, last + 1);
     Shadow shadow = mixShadows(onLine(place), onLine(place + ray.minor),
-                               clamp(minor - base - line, 0.0, 1.0));
+                               clamp(minor - base - float(last - whole), 0.0, 1.0));
     shadow.distance += float(steps) * stepLength;
     shadow.height -= float(steps) * stepLength * sunSlope;
     return shadow;

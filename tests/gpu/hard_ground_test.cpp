@@ -3,11 +3,13 @@
 #include "core/SyntheticTerrain.h"
 #include "lighting/TileLight.h"
 #include "reference/PathTracer.h"
+#include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/PathErrors.h"
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <string>
@@ -140,6 +142,37 @@ TEST(BounceClosedForm, CorrugationsInTheSun)
                       << 100.0 * (light / expected - 1.0) << " %\n";
             EXPECT_NEAR(light, expected, 0.01 * expected) << sidePosts << ' ' << elevation;
         }
+}
+
+// A mast in the corner of a valley, whose shadow lies along the tile's last row, and the same in a
+// mirror: along the first. Lines towards the sun reach the one as they reach the other.
+TEST(BounceClosedForm, AMastShadesTheLastRowAsTheFirst)
+{
+    OTL_NEED_GL(context);
+    SkyLight sky;
+    sky.skyEnabled = false;
+    sky.sunAzimuth = 270.0;
+    sky.sunElevation = 20.0;
+    LightingSettings settings;
+    settings.bounces = 1;
+    std::array<Raster<osg::Vec4f>, 2> found;
+    for (const int row : {0, 47})
+    {
+        DemTile tile = analytic::makeTile(
+            64, 48, 1.0, [](int column, int) { return 0.3 * std::abs(column - 32); });
+        tile.setHeight(0, row, 40.0f);
+        found[row == 0 ? 0 : 1] = bouncesOf(context->state(), tile, settings, sky)[0];
+    }
+    double difference = 0.0, sum = 0.0;
+    for (int column = 0; column < 64; ++column)
+    {
+        const double first = static_cast<double>(found[0].at(column, 0).g());
+        difference += std::abs(first - static_cast<double>(found[1].at(column, 47).g()));
+        sum += first;
+    }
+    std::cout << "difference " << 100.0 * difference / sum << " %\n";
+    EXPECT_GT(sum, 0.1);
+    EXPECT_LT(difference, 0.01 * sum); // half floats, and which of two lines a post asks
 }
 
 // Turned, its posts are not those of the closed form: expected is the path tracer, at nine posts.
