@@ -326,6 +326,8 @@ vec3 receive(Line line, ivec2 post, int walked)
         edge = mix(seen, 1.0, edge);
         Length rise = crossingHeight(lastHeight, height, edge) - receiver.here;
         Slope atEdge = rise / (max(float(i - 1) + edge, 1.0e-3) * receiver.stepLength);
+        // In the own cell the surface is a parabola, and its slope from the post is linear.
+        atEdge = i > 1 ? atEdge : mix(before, slope, edge);
         slice = addGradedSegment(slice, atEdge, from.rgb + sun * from.a,
                                  between.rgb + sun * between.a, receiver.cap, receiver.width);
         sun = lit * sunBetween(overEdge, farther);

@@ -451,9 +451,13 @@ TEST(TerrainLighting, AStillSceneDispatchesNothingAndAChangeOnlyWhatItReaches)
     picture.draw(3);
     auto counts = lighting->getDispatchCounts();
     using Counts = std::map<std::string, unsigned>;
-    EXPECT_EQ(
-        counts,
-        (Counts{{"horizon", 1}, {"table", 0}, {"sky", 1}, {"sun", 1}, {"key", 0}, {"shade", 1}}));
+    EXPECT_EQ(counts, (Counts{{"horizon", 1},
+                              {"table", 0},
+                              {"sky", 1},
+                              {"sun", 1},
+                              {"shadow", 0},
+                              {"key", 0},
+                              {"shade", 1}}));
     picture.draw(20);
     EXPECT_EQ(lighting->getDispatchCounts(), counts);
 
