@@ -31,23 +31,33 @@ SliceGather startGather(Slope plane, vec3 own, Angle width)
     return slice;
 }
 
-// Up to a sample's slope, if it is seen. sent: radiance between it and the sample before.
-SliceGather addSegment(SliceGather slice, Slope slope, vec3 sent, Slope cap, Angle width)
+// Up to a sample's slope, if it is seen, where what is sent changes evenly with the slope: `level`
+// at slope 0 and `change` more for each 1. last: what the sample sends.
+SliceGather addLinearSegment(SliceGather slice, Slope slope, vec3 level, vec3 change, vec3 last,
+                             Slope cap, Angle width)
 {
     SliceGather next;
     next.highest = raisedSlope(slice.highest, slope, cap);
     next.moments = gradedMoments(next.highest, width);
-    next.upward = slice.upward + sent * (slice.moments.x - next.moments.x);
-    next.outward = slice.outward + sent * (slice.moments.y - next.moments.y);
-    next.last = slope > slice.highest ? sent : slice.last;
+    vec3 moments = slice.moments - next.moments;
+    next.upward = slice.upward + level * moments.x + change * moments.z;
+    next.outward = slice.outward + level * moments.y +
+                   change * (moments.x * (real(2.0) * sin(real(0.5) * width) / width));
+    next.last = slope > slice.highest ? last : slice.last;
     return next;
+}
+
+// The same where it does not change. sent: radiance between the sample and the one before.
+SliceGather addSegment(SliceGather slice, Slope slope, vec3 sent, Slope cap, Angle width)
+{
+    return addLinearSegment(slice, slope, sent, vec3(real(0.0), real(0.0), real(0.0)), sent, cap,
+                            width);
 }
 
 // Least rise of a segment along which light changes: less of it rounds.
 GLSL_CONST Slope LEAST_GRADED = real(0.05);
 
-// The same where what is sent changes evenly with the slope: `from` at the slice's highest, `sent`
-// at `slope`.
+// The same where `from` is sent at the slice's highest slope, `sent` at `slope`.
 SliceGather addGradedSegment(SliceGather slice, Slope slope, vec3 from, vec3 sent, Slope cap,
                              Angle width)
 {
@@ -56,13 +66,7 @@ SliceGather addGradedSegment(SliceGather slice, Slope slope, vec3 from, vec3 sen
     real scale = graded ? real(1.0) / max(rise, LEAST_GRADED) : real(0.0);
     vec3 change = (sent - from) * scale;
     vec3 level = graded ? from - change * slice.highest : (from + sent) * real(0.5);
-    SliceGather next = addSegment(slice, slope, level, cap, width);
-    vec3 moments = slice.moments - next.moments;
-    next.upward = next.upward + change * moments.z;
-    next.outward = next.outward +
-                   change * (moments.x * (real(2.0) * sin(real(0.5) * width) / width));
-    next.last = slope > slice.highest ? sent : slice.last;
-    return next;
+    return addLinearSegment(slice, slope, level, change, sent, cap, width);
 }
 
 // Up to the crest, which coarse samples under-estimate.

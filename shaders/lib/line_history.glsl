@@ -3,9 +3,9 @@
 //
 // An entry stands for a piece of the line. What its terrain sends is weighed by its rise: that is
 // what those who look from about its height see of it. (Weights for several slopes of view, mixed,
-// change nothing.) Light times rise, and rise, add up, so entries can be joined. Along a wall light
-// changes: an entry also has the straight line by height that fits its terrain's radiance best
-// (least squares), whose parts add up, too.
+// change nothing.) Along a wall light changes: an entry also has the straight line by height that
+// fits its terrain's radiance best (least squares). An entry is joined seldom and read often, so
+// what it has is ready to be read.
 
 // The least rise of a step of ground, over its length: where nothing in an entry rises, all of it
 // counts alike.
@@ -13,9 +13,9 @@ GLSL_CONST real LEAST_RISE = real(7.0e-4);
 
 struct Passed
 {
-    vec4 light; // radiance times rise [m], rise
+    vec4 light; // radiance in the mean, rise [m]
     vec2 end;   // height [m] and position [steps walked] at which the entry is seen to end
-    vec3 tilt;  // how much more the upper end sends than the lower, times the square of the rise
+    vec3 tilt;  // how much more the upper end sends than the lower
 };
 
 // A piece without ground: it sends nothing, and nobody sees it.
@@ -28,17 +28,26 @@ Passed passedNothing()
     return passed;
 }
 
+// A tilt that leaves no end of a piece of such light farther below 0 than half of it: where a
+// shadow's edge goes through a piece its line begins below 0, and there are those who see no more
+// than that end.
+real boundedTilt(real tilt, real light)
+{
+    real most = real(3.0) * abs(light);
+    return clamp(tilt, -most, most);
+}
+
 // One step of ground from a height at a position, `rise` [m] above its nearer end. sent: radiance
 // in the mean; more: at its farther end, less what is at its nearer one; stepLength [m] > 0.
 Passed passedStep(Length height, real position, Length rise, vec3 sent, vec3 more,
                   Length stepLength)
 {
     GLSL_ASSERT(stepLength > real(0.0));
-    Length weight = max(rise, LEAST_RISE * stepLength);
     Passed passed;
-    passed.light = vec4(sent.x * weight, sent.y * weight, sent.z * weight, weight);
+    passed.light = vec4(sent.x, sent.y, sent.z, max(rise, LEAST_RISE * stepLength));
     passed.end = vec2(height, position);
-    passed.tilt = more * (weight * weight);
+    passed.tilt = vec3(boundedTilt(more.x, sent.x), boundedTilt(more.y, sent.y),
+                       boundedTilt(more.z, sent.z));
     return passed;
 }
 
@@ -48,23 +57,28 @@ Passed joinPassed(Passed farther, Passed nearer, Length stepLength)
     GLSL_ASSERT(stepLength > real(0.0));
     Length between = (nearer.end.y - farther.end.y) * stepLength;
     Passed joined;
-    joined.light = farther.light + nearer.light;
     joined.end = farther.end.x - nearer.end.x + between >= real(0.0) ? farther.end : nearer.end;
     // The farther one is seen above the nearer.
-    real near = real(6.0) * nearer.light.w;
-    real far = real(6.0) * farther.light.w;
-    joined.tilt = farther.tilt + nearer.tilt +
-                  vec3(near * farther.light.x - far * nearer.light.x,
-                       near * farther.light.y - far * nearer.light.y,
-                       near * farther.light.z - far * nearer.light.z);
+    Length rise = farther.light.w + nearer.light.w;
+    real scale = real(1.0) / max(rise, real(1.0e-12));
+    real far = farther.light.w * scale;
+    real near = nearer.light.w * scale;
+    joined.light = vec4(far * farther.light.x + near * nearer.light.x,
+                        far * farther.light.y + near * nearer.light.y,
+                        far * farther.light.z + near * nearer.light.z, rise);
+    real step = real(6.0) * far * near;
+    far = far * far;
+    near = near * near;
+    joined.tilt = vec3(boundedTilt(far * farther.tilt.x + near * nearer.tilt.x +
+                                       step * (farther.light.x - nearer.light.x),
+                                   joined.light.x),
+                       boundedTilt(far * farther.tilt.y + near * nearer.tilt.y +
+                                       step * (farther.light.y - nearer.light.y),
+                                   joined.light.y),
+                       boundedTilt(far * farther.tilt.z + near * nearer.tilt.z +
+                                       step * (farther.light.z - nearer.light.z),
+                                   joined.light.z));
     return joined;
-}
-
-// A tilt that leaves no end of a piece of such light farther below 0 than half of it.
-real boundedTilt(real tilt, real light)
-{
-    real most = real(3.0) * abs(light);
-    return clamp(tilt, -most, most);
 }
 
 // Up to where a piece of that many steps is seen to end, if it is seen, from a height `here` at a
@@ -74,21 +88,21 @@ SliceGather addPassed(SliceGather slice, Passed passed, real steps, Length here,
                       Length stepLength, Slope cap, Angle width)
 {
     GLSL_ASSERT(stepLength > real(0.0) && position >= passed.end.y + steps);
-    real scale = real(1.0) / max(passed.light.w, real(1.0e-12));
-    Length distance = (position - passed.end.y) * stepLength;
-    Slope slope = (passed.end.x - here) / distance;
-    // Where a shadow's edge goes through it the line begins below 0: not too far, for those who see
-    // no more than that end.
-    vec3 tilt = vec3(boundedTilt(passed.tilt.x * scale, passed.light.x) * scale,
-                     boundedTilt(passed.tilt.y * scale, passed.light.y) * scale,
-                     boundedTilt(passed.tilt.z * scale, passed.light.z) * scale);
-    // Its upper half is farther away, so that less is seen of it, to first order by this.
-    real away = max(position - passed.end.y - real(0.5) * steps, real(0.5) * steps);
-    vec3 top = vec3(passed.light.x * scale, passed.light.y * scale, passed.light.z * scale) +
-               tilt * (real(0.5) - steps / (real(6.0) * away));
-    Slope lowest = (passed.end.x - passed.light.w - here) /
-                   max(distance - steps * stepLength, real(0.5) * stepLength);
-    real part = clamp((slope - slice.highest) / max(slope - lowest, real(1.0e-6)), real(0.0),
-                      real(1.0));
-    return addGradedSegment(slice, slope, top - tilt * part, top, cap, width);
+    real inverse = real(1.0) / ((position - passed.end.y) * stepLength);
+    Slope slope = (passed.end.x - here) * inverse;
+    // Its upper half is farther away, so that less is seen of it: by a sixth of its length over the
+    // distance of its middle, here as a series.
+    real part = steps * stepLength * inverse;
+    real below = part / real(6.0) * (real(1.0) + part * (real(0.5) + part * real(0.25)));
+    vec3 mean = vec3(passed.light.x, passed.light.y, passed.light.z);
+    vec3 top = mean + passed.tilt * (real(0.5) - below);
+    Slope lowest = (passed.end.x - passed.light.w - here) * inverse /
+                   max(real(1.0) - part, real(0.1));
+    // From its lower end, or from where terrain before it ends the view of it.
+    Slope range = slope - min(slice.highest, lowest);
+    bool graded = range > LEAST_GRADED;
+    real perSlope = graded ? real(1.0) / max(range, LEAST_GRADED) : real(0.0);
+    vec3 change = passed.tilt * perSlope;
+    vec3 level = graded ? top - change * slope : mean;
+    return addLinearSegment(slice, slope, level, change, top, cap, width);
 }

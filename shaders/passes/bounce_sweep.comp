@@ -39,12 +39,20 @@ bool leaves;
 // What is done for levels from 2 on, written out.
 #if LEVELS == 5
 #define FROM_LEVEL_2(f) f(2) f(3) f(4)
+#elif LEVELS == 6
+#define FROM_LEVEL_2(f) f(2) f(3) f(4) f(5)
 #elif LEVELS == 7
 #define FROM_LEVEL_2(f) f(2) f(3) f(4) f(5) f(6)
+#elif LEVELS == 8
+#define FROM_LEVEL_2(f) f(2) f(3) f(4) f(5) f(6) f(7)
 #elif LEVELS == 9
 #define FROM_LEVEL_2(f) f(2) f(3) f(4) f(5) f(6) f(7) f(8)
+#elif LEVELS == 10
+#define FROM_LEVEL_2(f) f(2) f(3) f(4) f(5) f(6) f(7) f(8) f(9)
 #elif LEVELS == 11
 #define FROM_LEVEL_2(f) f(2) f(3) f(4) f(5) f(6) f(7) f(8) f(9) f(10)
+#elif LEVELS == 12
+#define FROM_LEVEL_2(f) f(2) f(3) f(4) f(5) f(6) f(7) f(8) f(9) f(10) f(11)
 #elif LEVELS == 13
 #define FROM_LEVEL_2(f) f(2) f(3) f(4) f(5) f(6) f(7) f(8) f(9) f(10) f(11) f(12)
 #endif
@@ -213,20 +221,24 @@ void clearLevel(const int level)
     counts[level] = 0;
 }
 
-// Joins the two oldest pieces of a level, which leave it where it is full and needs room.
+// Joins the two oldest pieces of a level where it is full and needs room. They leave it, but for
+// the last level, which keeps them as one.
 void makeRoom(const int level, bool needed, Length stepLength)
 {
     const int oldest = level * ENTRIES;
+    const int gone = level == LEVELS - 1 ? 1 : 2;
     leaves = needed && counts[level] == ENTRIES;
     joined = joinPassed(history[oldest], history[oldest + 1], stepLength);
     for (int i = 0; i < ENTRIES; ++i)
     {
-        if (leaves && i < ENTRIES - 2)
-            history[oldest + i] = history[oldest + i + 2];
-        if (leaves && i >= ENTRIES - 2)
+        if (leaves && i < ENTRIES - gone)
+            history[oldest + i] = history[oldest + i + gone];
+        if (leaves && i >= ENTRIES - gone)
             history[oldest + i].end = vec2(VOID_HEIGHT, -1.0);
     }
-    counts[level] -= leaves ? 2 : 0;
+    if (leaves && gone == 1)
+        history[oldest] = joined;
+    counts[level] -= leaves ? gone : 0;
 }
 
 void enter(const int level, Passed passed, bool enters)

@@ -23,7 +23,7 @@ SweepScheme SweepScheme::of(HorizonQuality quality, int width, int height)
         scheme = {4, 8, 5};
     const int steps = std::max(width, height);
     while (scheme.levels < mostLevels && scheme.entries * ((1 << scheme.levels) - 1) < steps)
-        scheme.levels += 2;
+        ++scheme.levels;
     return scheme;
 }
 

@@ -21,7 +21,7 @@ struct SweepScheme
 {
     int near;    ///< steps that a post sees on its own ray
     int entries; ///< of a level, even: each doubling of the distance is seen in about as many
-    int levels;  ///< 5, 7, 9, 11 or 13: as many as a line of the tile fills
+    int levels;  ///< 5 to 13: as many as a line of the tile fills
 
     static SweepScheme of(HorizonQuality quality, int width, int height);
     std::vector<std::string> defines() const;
