@@ -43,11 +43,13 @@ struct Glsl
     using ivec3 = glm::ivec3;
     using ivec4 = glm::ivec4;
     using sampler2D = const Raster<Real>&;
+    using HeightMap = const Raster<Real>&;
 
     static vec4 texelFetch(sampler2D raster, ivec2 post, int)
     {
         return vec4(raster.at(post.x, post.y), Real(0), Real(0), Real(1));
     }
+    static vec4 imageLoad(HeightMap heights, ivec2 post) { return texelFetch(heights, post, 0); }
     static ivec2 textureSize(sampler2D raster, int)
     {
         return ivec2(raster.width(), raster.height());

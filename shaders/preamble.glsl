@@ -5,6 +5,8 @@
 #define Angle float
 #define Slope float
 #define Radiance float
+// Heights [m], R32F: software OpenGL reads an image in half the time of a texture.
+#define HeightMap readonly image2D
 #define GLSL_CONST const
 #define GLSL_ASSERT(condition)
 

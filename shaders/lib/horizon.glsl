@@ -63,25 +63,35 @@ struct NearRays
     real tangent;
 };
 
+// Columns of heights begin one post before the first receiver's whole minor offset, `base`.
 struct NearScan
 {
     Length here[8];    // heights of the receivers
-    Length before[11]; // heights of the last column, from minor offset `base` on
+    Length before[11]; // heights of the last column
     Slope last[8];     // slopes to the last column's crossings
     Slope best[8];     // horizons so far
-    int base;          // whole minor offset at the last column
+    int base;          // at the last column
 };
 
-NearScan startScan(sampler2D heights, NearRays rays)
+// At the receivers, whose horizon begins with the slope of their own cell at them: g has no pole
+// there.
+NearScan startScan(HeightMap heights, NearRays rays)
 {
     NearScan scan;
+    Length ahead[9];
     for (int i = 0; i < 11; ++i)
-        scan.before[i] = postHeight(heights, rays.first + rays.minor * i);
+        scan.before[i] = postHeight(heights, rays.first + rays.minor * (i - 1));
+    for (int i = 0; i < 9; ++i)
+        ahead[i] = postHeight(heights, rays.first + rays.major + rays.minor * i);
     for (int i = 0; i < 8; ++i)
     {
-        scan.here[i] = scan.before[i];
+        Length here = scan.before[i + 1];
+        Length beside = scan.before[i + 2];
+        bool whole = abs(here - ahead[i] - beside + ahead[i + 1]) < -VOID_LIMIT;
+        scan.here[i] = here;
         scan.last[i] = NO_HORIZON;
-        scan.best[i] = NO_HORIZON;
+        scan.best[i] =
+            whole ? ahead[i] - here + rays.tangent * (beside - here) : NO_HORIZON;
     }
     scan.base = 0;
     return scan;
@@ -89,62 +99,66 @@ NearScan startScan(sampler2D heights, NearRays rays)
 
 // Goes on to `column`, the next one: the crossings of it and of a row before it, and the maxima
 // within the one or two cells between.
-NearScan scanColumn(sampler2D heights, NearRays rays, NearScan scan, int column)
+NearScan scanColumn(HeightMap heights, NearRays rays, NearScan scan, int column)
 {
     real distance = real(column);
     real offset = rays.tangent * distance;
     int whole = int(floor(offset));
     real weight = offset - real(whole);
-    ivec2 corner = rays.first + rays.major * column + rays.minor * scan.base;
-    Length current[12];
-    for (int i = 0; i < 12; ++i)
-        current[i] = postHeight(heights, corner + rays.minor * i);
-
     bool crossesRow = whole > scan.base;
+    ivec2 corner = rays.first + rays.major * column + rays.minor * (whole - 1);
+    Length current[11];
+    for (int i = 0; i < 11; ++i)
+        current[i] = postHeight(heights, corner + rays.minor * i);
+    Length before[10]; // from where `current` begins
+    for (int i = 0; i < 10; ++i)
+        before[i] = crossesRow ? scan.before[i + 1] : scan.before[i];
+
     real lastDistance = real(column - 1);
-    real rowDistance = crossesRow ? real(whole) / rays.tangent : distance;
+    real rowDistance = crossesRow ? real(whole) / rays.tangent : lastDistance;
     real share = rowDistance - lastDistance; // of the way between the columns
     real inverseDistance = real(1.0) / distance;
     real inverseRow = real(1.0) / rowDistance;
-    // A cell that the ray only grazes has no inside to speak of, and no interval to divide by.
-    bool firstCell = column > 1 && rowDistance - lastDistance > real(1.0e-3);
-    bool secondCell = crossesRow && distance - rowDistance > real(1.0e-3);
+    // A cell that the ray only grazes has no inside to speak of, and no interval to divide by; nor
+    // has the receivers' own.
+    bool firstCell = column > 1 && share > real(1.0e-3);
+    bool secondCell = column > 1 && distance - rowDistance > real(1.0e-3);
     Interval beforeRow = intervalBetween(lastDistance, rowDistance);
     Interval afterRow = intervalBetween(rowDistance, distance);
 
+    // Curvature along the ray in the cell that begins at each height of the two columns.
+    real curvature[9];
+    bool valid[9];
+    for (int i = 0; i < 9; ++i)
+    {
+        Length twist = before[i] - current[i] - before[i + 1] + current[i + 1];
+        valid[i] = abs(twist) < -VOID_LIMIT;
+        curvature[i] = rays.tangent * twist;
+    }
     for (int i = 0; i < 8; ++i)
     {
-        Length nearSide = crossesRow ? current[i + 1] : current[i];
-        Length farSide = crossesRow ? current[i + 2] : current[i + 1];
-        Slope slope = (crossingHeight(nearSide, farSide, weight) - scan.here[i]) * inverseDistance;
+        Slope slope = (crossingHeight(current[i + 1], current[i + 2], weight) - scan.here[i]) *
+                      inverseDistance;
         Slope rowSlope =
-            (crossingHeight(scan.before[i + 1], current[i + 1], share) - scan.here[i]) * inverseRow;
-        Slope atRow = crossesRow ? rowSlope : slope;
+            (crossingHeight(before[i + 1], current[i + 1], share) - scan.here[i]) * inverseRow;
+        Slope atRow = crossesRow ? rowSlope : scan.last[i];
         Slope top = max(scan.best[i], max(slope, atRow));
-        Length twist = scan.before[i] - current[i] - scan.before[i + 1] + current[i + 1];
-        bool whole1 = abs(twist) < -VOID_LIMIT;
-        // The receiver's own cell: g has no pole, so its inner end is the tangent there.
-        Slope own = current[i] - scan.here[i] + rays.tangent * (scan.before[i + 1] - scan.here[i]);
-        top = column == 1 && whole1 ? max(top, own) : top;
-        Slope peak = insideMaximum(beforeRow, scan.last[i], atRow, rays.tangent * twist);
-        top = firstCell && whole1 ? max(top, peak) : top;
-
-        twist = scan.before[i + 1] - current[i + 1] - scan.before[i + 2] + current[i + 2];
-        bool whole2 = abs(twist) < -VOID_LIMIT;
-        peak = insideMaximum(afterRow, atRow, slope, rays.tangent * twist);
-        top = secondCell && whole2 ? max(top, peak) : top;
+        Slope peak = insideMaximum(beforeRow, scan.last[i], atRow, curvature[i]);
+        top = firstCell && valid[i] ? max(top, peak) : top;
+        peak = insideMaximum(afterRow, atRow, slope, curvature[i + 1]);
+        top = secondCell && valid[i + 1] ? max(top, peak) : top;
         scan.best[i] = top;
         scan.last[i] = slope;
     }
     for (int i = 0; i < 11; ++i)
-        scan.before[i] = crossesRow ? current[i + 1] : current[i];
+        scan.before[i] = current[i];
     scan.base = whole;
     return scan;
 }
 
 // Horizon slope [m per step] of each receiver over the first `reach` >= 0 steps of its ray, exact
 // for the bilinear surface: every column and row crossing, and the maximum within each cell.
-NearSlopes nearHorizon(sampler2D heights, NearRays rays, int reach)
+NearSlopes nearHorizon(HeightMap heights, NearRays rays, int reach)
 {
     GLSL_ASSERT(rays.tangent >= real(0.0) && rays.tangent <= real(1.0) && reach >= 0);
     NearScan scan = startScan(heights, rays);
@@ -152,14 +166,14 @@ NearSlopes nearHorizon(sampler2D heights, NearRays rays, int reach)
         scan = scanColumn(heights, rays, scan, column);
     NearSlopes found;
     for (int i = 0; i < 8; ++i)
-        found.slopes[i] = scan.best[i];
+        found.slopes[i] = reach > 0 ? scan.best[i] : NO_HORIZON;
     return found;
 }
 
 // Horizon slope [m per step] of one receiver over `steps` steps of its ray, exact for the bilinear
 // surface: every column and row crossing, and the maximum within each cell. major, minor, tangent:
 // as in NearRays. The texture's frame must reach past the last step.
-Slope horizonAlongRay(sampler2D heights, ivec2 receiver, ivec2 major, ivec2 minor, real tangent,
+Slope horizonAlongRay(HeightMap heights, ivec2 receiver, ivec2 major, ivec2 minor, real tangent,
                       int steps)
 {
     GLSL_ASSERT(tangent >= real(0.0) && tangent <= real(1.0) && steps >= 0);
@@ -210,28 +224,48 @@ Slope horizonAlongRay(sampler2D heights, ivec2 receiver, ivec2 major, ivec2 mino
     return best;
 }
 
-// Slope [m per step] at which a receiver of height `here` sees the surface along its ray at `away`
-// >= 1 whole steps or, if that is higher, at the row that the ray crosses in the step before;
-// NO_HORIZON where neither has valid posts. turn: posts along `minor` per step, -1 ... 1.
-Slope slopeAtStep(sampler2D heights, ivec2 receiver, Length here, ivec2 major, ivec2 minor,
-                  real turn, int away)
+// Where a ray crosses a column of posts: the two posts beside it, and how far it is from the first
+// to the second.
+struct RayColumn
+{
+    Length low;
+    Length high;
+    real weight;
+};
+
+// The column after `away` >= 0 whole steps. turn: posts along `minor` per step, -1 ... 1.
+RayColumn rayColumn(HeightMap heights, ivec2 receiver, ivec2 major, ivec2 minor, real turn,
+                    int away)
+{
+    GLSL_ASSERT(abs(turn) <= real(1.0) && away >= 0);
+    real offset = turn * real(away);
+    int whole = int(floor(offset));
+    ivec2 post = receiver + major * away + minor * whole;
+    RayColumn column;
+    column.low = postHeight(heights, post);
+    column.high = postHeight(heights, post + minor);
+    column.weight = offset - real(whole);
+    return column;
+}
+
+// Slope [m per step] at which a receiver of height `here` sees the surface along its ray at the
+// column after `away` >= 1 whole steps or, if that is higher, at the row that the ray crosses
+// between it and the column `before`; NO_HORIZON where neither has valid posts.
+Slope slopeAtStep(RayColumn before, RayColumn column, Length here, real turn, int away)
 {
     GLSL_ASSERT(abs(turn) <= real(1.0) && away >= 1);
     real distance = real(away);
-    real offset = turn * distance;
-    int whole = int(floor(offset));
-    ivec2 post = receiver + major * away + minor * whole;
-    Length rise = crossingHeight(postHeight(heights, post), postHeight(heights, post + minor),
-                                 offset - real(whole)) -
-                  here;
+    Length rise = crossingHeight(column.low, column.high, column.weight) - here;
     Slope slope = isVoid(rise) ? NO_HORIZON : rise / distance;
 
-    real before = offset - turn;
-    int row = int(floor(max(offset, before)));
-    bool crosses = real(row) > min(offset, before);
-    real place = crosses ? real(row) / turn : distance;
-    post = receiver + major * (away - 1) + minor * row;
-    rise = crossingHeight(postHeight(heights, post), postHeight(heights, post + major),
+    // The row's posts are one of each column's.
+    real offset = turn * distance;
+    real offsetBefore = offset - turn;
+    real row = floor(max(offset, offsetBefore));
+    bool crosses = row > min(offset, offsetBefore);
+    real place = crosses ? row / turn : distance;
+    rise = crossingHeight(turn > real(0.0) ? before.high : before.low,
+                          turn > real(0.0) ? column.low : column.high,
                           place - (distance - real(1.0))) -
            here;
     return crosses && !isVoid(rise) ? max(slope, rise / place) : slope;

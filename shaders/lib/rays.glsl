@@ -27,7 +27,7 @@ GridRay gridRay(real turn, int look, bool north)
 
 // Height [m] where a ray from a post crosses a line of posts, after a whole number of steps >= 0.
 // VOID_HEIGHT where the crossing is outside of the posts or beside a void.
-Length heightAtStep(sampler2D heights, ivec2 post, GridRay ray, int steps, ivec2 size, int frame)
+Length heightAtStep(HeightMap heights, ivec2 post, GridRay ray, int steps, ivec2 size, int frame)
 {
     GLSL_ASSERT(steps >= 0);
     real offset = ray.drift * real(steps);
@@ -44,7 +44,7 @@ Length heightAtStep(sampler2D heights, ivec2 post, GridRay ray, int steps, ivec2
 
 // Slope [m per step] of the cell that a ray leaves its post through, at the post. texel: of the
 // post; here: its height. NO_HORIZON beside a void.
-Slope ownCellSlope(sampler2D heights, ivec2 texel, Length here, GridRay ray)
+Slope ownCellSlope(HeightMap heights, ivec2 texel, Length here, GridRay ray)
 {
     Length ahead = postHeight(heights, texel + ray.major);
     Length beside = postHeight(heights, texel + ray.side);

@@ -3,7 +3,7 @@
 
 // The post that stands for a block: its first valid one, row by row; its first where none is.
 // stride: >= 1; block: its first post is inside of size.
-ivec2 postOfBlock(sampler2D heights, ivec2 block, int stride, ivec2 size, int frame)
+ivec2 postOfBlock(HeightMap heights, ivec2 block, int stride, ivec2 size, int frame)
 {
     GLSL_ASSERT(stride >= 1 && block.x >= 0 && block.y >= 0);
     GLSL_ASSERT(block.x * stride < size.x && block.y * stride < size.y);

@@ -22,14 +22,14 @@ Length crossingHeight(Length a, Length b, real weight)
     return weight < real(1.0) ? between : b;
 }
 
-Length postHeight(sampler2D heights, ivec2 post)
+Length postHeight(HeightMap heights, ivec2 post)
 {
-    return texelFetch(heights, post, 0).x;
+    return imageLoad(heights, post).x;
 }
 
 // Between posts, where any may be void: (height above `here` times weight, weight), bilinear.
 // place: posts from the first, 0 ... size - 1; `frame` void posts surround them in the texture.
-vec2 riseBetweenPosts(sampler2D heights, vec2 place, ivec2 size, int frame, Length here)
+vec2 riseBetweenPosts(HeightMap heights, vec2 place, ivec2 size, int frame, Length here)
 {
     GLSL_ASSERT(place.x >= real(0.0) && place.x <= real(size.x - 1));
     GLSL_ASSERT(place.y >= real(0.0) && place.y <= real(size.y - 1));
@@ -65,7 +65,7 @@ vec3 cellNormal(vec4 corners, real east, real north, Length eastSpacing, Length 
 // Unit normal at a post (texel of the framed texture): sum of the unnormalised normals of the up to
 // four adjacent cells that have no void corner (Timonen and Westerholm 2010, section 7); straight
 // up where there is none. eastSpacing and northSpacing [m] > 0.
-vec3 postNormal(sampler2D heights, ivec2 post, Length eastSpacing, Length northSpacing)
+vec3 postNormal(HeightMap heights, ivec2 post, Length eastSpacing, Length northSpacing)
 {
     GLSL_ASSERT(min(eastSpacing, northSpacing) > real(0.0));
     Length here = postHeight(heights, post);

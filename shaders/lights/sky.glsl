@@ -42,7 +42,7 @@ struct FourLights
 
 // Irradiance / pi of a post as surfaces of four normals. horizon: elevation codes, layer k looks
 // towards 2*pi*k/azimuths from east.
-FourLights skyOnPost(sampler2DArray horizon, int azimuths, ivec2 post, vec3 normals[4])
+FourLights skyOnPost(readonly image2DArray horizon, int azimuths, ivec2 post, vec3 normals[4])
 {
     SkyShare sums[4];
     for (int i = 0; i < 4; ++i)
@@ -51,7 +51,7 @@ FourLights skyOnPost(sampler2DArray horizon, int azimuths, ivec2 post, vec3 norm
     for (int k = 0; k < (hasSky ? azimuths : 0); ++k)
     {
         float phi = width * float(k);
-        Angle elevation = elevationOfCode(texelFetch(horizon, ivec3(post, k), 0).x);
+        Angle elevation = elevationOfCode(imageLoad(horizon, ivec3(post, k)).x);
         for (int i = 0; i < 4; ++i)
             sums[i] += skyShare(elevation, normals[i], cos(phi), sin(phi), width, k);
     }

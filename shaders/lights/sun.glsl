@@ -7,7 +7,7 @@ uniform float sunOff;       // visible fraction without SUN: 1 switched off, 0 b
 
 #ifdef SUN
 uniform sampler2DArray sunHorizon; // elevation codes towards the disc's left, centre and right
-uniform sampler2D sunEdge;         // of shadow_edge.comp
+layout(rg16f) readonly uniform image2D sunEdge; // of shadow_edge.comp
 
 // How far the sun's centre stands over a post's horizon [rad], 0 left, 1 centre, 2 right of the
 // disc. The sky's edge is the horizontal, for the sun as for the sky.
@@ -39,7 +39,7 @@ vec3 sunLight(vec3 normal, float visible)
 // Height over the sun's shadow, and the softness of its edge [m].
 vec2 overSunShadow(ivec2 post)
 {
-    return texelFetch(sunEdge, post, 0).xy;
+    return imageLoad(sunEdge, post).xy;
 }
 
 // Mean visible fraction of the disc on a straight way between two such.

@@ -1,7 +1,8 @@
 // Ends a bounce: from what the lines of all azimuths added up to irradiance / pi.
 layout(local_size_x = 8, local_size_y = 8) in;
 
-uniform sampler2D heights; // R32F [m], framed by `frame` void posts, row 0 south
+// R32F [m], framed by `frame` void posts, row 0 south
+layout(r32f) readonly uniform image2D heights;
 uniform sampler2D sums;    // of bounce_sweep.comp
 layout(rgba16f, binding = 0) writeonly uniform image2D light; // irradiance / pi; void: all 0
 

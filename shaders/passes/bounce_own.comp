@@ -2,11 +2,14 @@
 // its own normal there: that of the post is their mean, which is not what the post sees.
 layout(local_size_x = 8, local_size_y = 8) in;
 
-uniform sampler2D heights;      // R32F [m], framed by `frame` void posts, row 0 south
+// R32F [m], framed by `frame` void posts, row 0 south
+layout(r32f) readonly uniform image2D heights;
 uniform sampler2D eastSpacings; // R32F [m], one texel per row
-uniform sampler2D stepLengths;  // R32F [m]: ground length of a step of azimuth x in row y
-uniform sampler2D faces;        // of faces.comp
-uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k/m from east
+// R32F [m]: ground length of a step of azimuth x in row y
+layout(r32f) readonly uniform image2D stepLengths;
+layout(rgba16f) readonly uniform image2D faces; // of faces.comp
+// elevation codes, layer k looks towards 2*pi*k/m from east
+layout(r16) readonly uniform image2DArray horizon;
 #ifdef SUN
 uniform sampler2D albedo; // one texel per post, or one for all
 uniform sampler2D direct; // of which alpha is read, the sun's visible fraction
@@ -45,13 +48,13 @@ void main()
         float sine = sin(width * float(k));
         GridRay ray = gridRay(directions[k].x, int(directions[k].y), directions[k].z != 0.0);
         ivec2 quadrant = max(ray.major + ray.side, ivec2(0));
-        vec4 face = texelFetch(faces, 2 * post + quadrant, 0);
+        vec4 face = imageLoad(faces, 2 * post + quadrant);
         vec3 own = face.rgb;
 #ifdef SUN
         own += sun * face.a;
 #endif
-        Slope cap = slopeOfCode(texelFetch(horizon, ivec3(post, k), 0).x);
-        Length stepLength = texelFetch(stepLengths, ivec2(k, post.y), 0).x;
+        Slope cap = slopeOfCode(imageLoad(horizon, ivec3(post, k)).x);
+        Length stepLength = imageLoad(stepLengths, ivec2(k, post.y)).x;
         SliceGather slice = startGather(planeSlope(normal, cosine, sine), own, width);
         Slope slope = ownCellSlope(heights, post + frame, here, ray);
         slice = addSegment(slice, slope / stepLength, own, cap, width);

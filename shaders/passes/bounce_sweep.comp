@@ -8,11 +8,14 @@
 // reads of the history have constant indices: a processor that runs lanes in step would gather.
 layout(local_size_x = 32) in;
 
-uniform sampler2D heights;      // R32F [m], framed by `frame` void posts, row 0 south
-uniform sampler2D stepLengths;  // R32F [m]: ground length of a step of azimuth x in row y
-uniform sampler2D faces;        // of faces.comp
-uniform sampler2D gradients;    // of bounce_own.comp
-uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k/m from east
+// R32F [m], framed by `frame` void posts, row 0 south
+layout(r32f) readonly uniform image2D heights;
+// R32F [m]: ground length of a step of azimuth x in row y
+layout(r32f) readonly uniform image2D stepLengths;
+layout(rgba16f) readonly uniform image2D faces; // of faces.comp
+layout(rg32f) readonly uniform image2D gradients; // of bounce_own.comp
+// elevation codes, layer k looks towards 2*pi*k/m from east
+layout(r16) readonly uniform image2DArray horizon;
 #ifdef SUN
 uniform sampler2D albedo;       // one texel per post, or one for all
 #endif
@@ -140,7 +143,7 @@ vec4 faceAt(Line line, ivec2 cell, int side, float minor)
 {
     ivec2 texel = 2 * cell + 1 + side * abs(line.ray.major);
     float weight = clamp(minor - float(line.north ? cell.x : cell.y), 0.0, 1.0);
-    return mix(texelFetch(faces, texel, 0), texelFetch(faces, texel + line.ray.minor, 0), weight);
+    return mix(imageLoad(faces, texel), imageLoad(faces, texel + line.ray.minor), weight);
 }
 
 #ifdef SUN
@@ -288,12 +291,12 @@ vec3 receive(Line line, ivec2 post, int walked)
     Receiver receiver;
     receiver.here = postHeight(heights, post + frame);
     receiver.walked = walked;
-    receiver.stepLength = texelFetch(stepLengths, ivec2(azimuth, post.y), 0).x;
-    receiver.cap = slopeOfCode(texelFetch(horizon, ivec3(post, azimuth), 0).x);
+    receiver.stepLength = imageLoad(stepLengths, ivec2(azimuth, post.y)).x;
+    receiver.cap = slopeOfCode(imageLoad(horizon, ivec3(post, azimuth)).x);
     receiver.width = 2.0 * PI / float(azimuths);
     float cosine = cos(receiver.width * float(azimuth));
     float sine = sin(receiver.width * float(azimuth));
-    vec2 gradient = texelFetch(gradients, post, 0).xy;
+    vec2 gradient = imageLoad(gradients, post).xy;
     vec3 normal = normalize(vec3(-gradient, 1.0));
 
     // The own cell's light is there already (bounce_own.comp); what it sends beside the post stands
@@ -387,7 +390,7 @@ void main()
     Line other = lineOf(int((gl_WorkGroupID.x + 1u) * gl_WorkGroupSize.x) - 1);
     int begin = min(one.first, other.first);
     int end = max(one.last, other.last);
-    Length stepLength = texelFetch(stepLengths, ivec2(azimuth, size.y / 2), 0).x;
+    Length stepLength = imageLoad(stepLengths, ivec2(azimuth, size.y / 2)).x;
 
 #define CLEAR_LEVEL(level) clearLevel(level);
     CLEAR_LEVEL(0)

@@ -9,10 +9,12 @@
 // a bounce brought to a post its faces have by the part of their view that terrain fills.
 layout(local_size_x = 8, local_size_y = 8) in;
 
-uniform sampler2D heights;      // R32F [m], framed by `frame` void posts, row 0 south
+// R32F [m], framed by `frame` void posts, row 0 south
+layout(r32f) readonly uniform image2D heights;
 uniform sampler2D eastSpacings; // R32F [m], one texel per row
 uniform sampler2D albedo;       // one texel per post, or one for all
-uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k/m from east
+// elevation codes, layer k looks towards 2*pi*k/m from east
+layout(r16) readonly uniform image2DArray horizon;
 #ifndef DIRECT
 uniform sampler2D light; // irradiance / pi
 #endif
@@ -43,7 +45,7 @@ float[5] terrainViews(ivec2 post, vec3 normals[5])
     {
         float cosine = cos(width * float(k));
         float sine = sin(width * float(k));
-        Slope cap = slopeOfCode(texelFetch(horizon, ivec3(post, k), 0).x);
+        Slope cap = slopeOfCode(imageLoad(horizon, ivec3(post, k)).x);
         vec2 above = sliceMoments(cap, width);
         for (int i = 0; i < 5; ++i)
         {

@@ -7,10 +7,12 @@
 // gloss, which lights the post diffusely too (section 5.3: two pyramids; one).
 layout(local_size_x = 8, local_size_y = 8) in;
 
-uniform sampler2D heights;      // R32F [m], framed by `frame` void posts, row 0 south
+// R32F [m], framed by `frame` void posts, row 0 south
+layout(r32f) readonly uniform image2D heights;
 uniform sampler2D eastSpacings; // R32F [m], one texel per row
 uniform sampler2D material;     // x gloss, y exponent; one texel per post, or one for all
-uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k/m from east
+// elevation codes, layer k looks towards 2*pi*k/m from east
+layout(r16) readonly uniform image2DArray horizon;
 
 // Layers 0 ... 11: coefficients 4j ... 4j + 3 of colour c in layer 4c + j; 12 of glossLight: the
 // normal's parts to the east and north, gloss, exponent.
@@ -142,7 +144,7 @@ ShVector[3] incidentLight(ivec2 post, vec3 normal)
     {
         float cosine = cos(width * float(k));
         float sine = sin(width * float(k));
-        Angle elevation = elevationOfCode(texelFetch(horizon, ivec3(post, k), 0).x);
+        Angle elevation = elevationOfCode(imageLoad(horizon, ivec3(post, k)).x);
         Slope highest =
             max(tan(clamp(elevation, 0.0, 1.57)), planeSlope(normal, cosine, sine));
         vec4 slices[3] = skySlices(highest, cosine, sine);
@@ -190,7 +192,7 @@ FromTerrain addAzimuth(FromTerrain sum, ivec2 post, Length here, vec3 normal, in
     vec4 direction = directions[k];
     GridRay ray = gridRay(direction.x, int(direction.y), direction.z != 0.0);
     Length stepLength = texelFetch(stepLengths, ivec2(k, post.y), 0).x;
-    Slope cap = slopeOfCode(texelFetch(horizon, ivec3(post, k), 0).x);
+    Slope cap = slopeOfCode(imageLoad(horizon, ivec3(post, k)).x);
     float cosine = cos(width * float(k));
     float sine = sin(width * float(k));
     Slope highest = planeSlope(normal, cosine, sine);

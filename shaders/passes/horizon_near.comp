@@ -2,8 +2,10 @@
 // wrote. One invocation serves NEAR_POSTS posts that are neighbours along the minor axis.
 layout(local_size_x = 16, local_size_y = 4) in;
 
-uniform sampler2D heights;     // R32F [m], framed by `frame` void posts, row 0 south
-uniform sampler2D stepLengths; // R32F [m]: ground length of a step of direction x in row y
+// R32F [m], framed by `frame` void posts, row 0 south
+layout(r32f) readonly uniform image2D heights;
+// R32F [m]: ground length of a step of direction x in row y
+layout(r32f) readonly uniform image2D stepLengths;
 layout(r16, binding = 0) uniform image2DArray horizon; // elevation codes
 
 uniform ivec2 size; // posts
@@ -43,7 +45,7 @@ void main()
         float code = VOID_CODE;
         if (!isVoid(postHeight(heights, post + frame)))
         {
-            float stepLength = texelFetch(stepLengths, ivec2(layer, post.y), 0).x;
+            float stepLength = imageLoad(stepLengths, ivec2(layer, post.y)).x;
             code = codeOfElevation(elevationOfSlope(found.slopes[i] / stepLength));
             code = max(code, imageLoad(horizon, ivec3(post, layer)).x);
         }

@@ -2,7 +2,8 @@
 // so for a few posts only; what the sweep is measured against.
 layout(local_size_x = 8, local_size_y = 8) in;
 
-uniform sampler2D heights;    // R32F [m], framed by `frame` void posts, row 0 south
+// R32F [m], framed by `frame` void posts, row 0 south
+layout(r32f) readonly uniform image2D heights;
 uniform sampler2D posts;      // R32F, 2 x count: column, row
 // R32F, 4 x count: as the first three of horizon_sweep.comp's, and the lowest slope that matters
 // [m per step]; 0: all do
@@ -39,7 +40,7 @@ void main()
     if (room < abs(drift) * float(steps))
         steps = min(steps, int(room / abs(drift)) + 1);
     float lowest = texelFetch(directions, ivec2(3, id.y), 0).x;
-    float rise = highest - texelFetch(heights, post + frame, 0).x;
+    float rise = highest - postHeight(heights, post + frame);
     // Farther away than this no post rises above the lowest slope. A row crossing can stand up to a
     // step before the column that ends its step.
     if (rise < lowest * float(steps))

@@ -11,8 +11,9 @@
 // number keep the higher.
 layout(local_size_x = 32) in;
 
-uniform sampler2D heights;      // R32F [m], framed by `frame` void posts, row 0 south
-uniform sampler2D stepLengths;  // R32F, one texel per row: see horizon_near.comp
+// R32F [m], framed by `frame` void posts, row 0 south
+layout(r32f) readonly uniform image2D heights;
+layout(r32f) readonly uniform image2D stepLengths; // R32F, one texel per row: see horizon_near.comp
 layout(r16, binding = 0) uniform image2DArray horizon; // elevation codes
 layout(r32ui, binding = 1) uniform uimage2D dropped;             // hull vertices lost, see below
 
@@ -186,12 +187,20 @@ void serve(Line line, int minor, int major, int walked)
     float found = min(vertices > 0 ? eye.y - seen.y : exit, floor(exit));
     Slope slope = NO_HORIZON;
     bool measured = false;
+    // Steps whose columns are on the tile or beside it.
+    float last = min(float(walked), floor(exit) + 1.0);
+    RayColumn before =
+        rayColumn(heights, post + frame, along(line), across(line), turn,
+                  int(clamp(found + float(FIRST_MEASURED - 1), 0.0, last)));
     for (int i = FIRST_MEASURED; i <= 1; ++i)
     {
         float away = found + float(i);
         bool onRay = away > float(reach) && away < exit + 1.0 && away <= float(walked);
-        Slope met = slopeAtStep(heights, post + frame, eye.x, along(line), across(line), turn,
-                                onRay ? int(away) : 1);
+        int step = int(clamp(away, 1.0, max(last, 1.0)));
+        RayColumn column =
+            rayColumn(heights, post + frame, along(line), across(line), turn, step);
+        Slope met = slopeAtStep(before, column, eye.x, turn, step);
+        before = column;
         onRay = onRay && met > NO_HORIZON;
         slope = onRay ? max(slope, met) : slope;
         measured = measured || onRay;
@@ -199,7 +208,7 @@ void serve(Line line, int minor, int major, int walked)
     // Beside a void the ray may meet no surface there; then the line's word stands.
     if (vertices > 0 && !measured && floor(exit) > float(reach))
         slope = (seen.x - eye.x) / (eye.y - seen.y);
-    float stepLength = texelFetch(stepLengths, ivec2(line.layer, post.y), 0).x;
+    float stepLength = imageLoad(stepLengths, ivec2(line.layer, post.y)).x;
     float code = codeOfElevation(elevationOfSlope(slope / stepLength));
     if (PARITY == 1)
         code = max(code, imageLoad(horizon, ivec3(post, line.layer)).x);

@@ -11,7 +11,8 @@
 // have a neighbour to the east and to the north: SH of posts never leave it.
 layout(local_size_x = 8, local_size_y = 8) in;
 
-uniform sampler2D heights;       // R32F [m], framed by `frame` void posts, row 0 south
+// R32F [m], framed by `frame` void posts, row 0 south
+layout(r32f) readonly uniform image2D heights;
 uniform sampler2D eastSpacings;  // R32F [m], one texel per row
 uniform sampler2D heightPyramid; // RG32F: height times weight, weight
 #ifdef DIRECT

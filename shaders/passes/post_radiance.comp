@@ -2,7 +2,8 @@
 // stride, rgb = albedo * irradiance / pi, a = 1; a block of void posts: all 0.
 layout(local_size_x = 8, local_size_y = 8) in;
 
-uniform sampler2D heights; // R32F [m], framed by `frame` void posts, row 0 south
+// R32F [m], framed by `frame` void posts, row 0 south
+layout(r32f) readonly uniform image2D heights;
 uniform sampler2D albedo;  // one texel per post, or one for all
 uniform sampler2D light;   // irradiance / pi, a texel per post or, where byBlock, per block
 layout(rgba16f, binding = 0) writeonly uniform image2D radiance; // a texel per block

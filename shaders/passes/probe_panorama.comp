@@ -6,7 +6,8 @@
 // is seen, as by the posts in bounce.comp, but from any height and on the surface itself.
 layout(local_size_x = 8) in;
 
-uniform sampler2D heights; // R32F [m], framed by `frame` void posts, row 0 south
+// R32F [m], framed by `frame` void posts, row 0 south
+layout(r32f) readonly uniform image2D heights;
 uniform sampler2D shading; // rgb = irradiance / pi
 uniform sampler2D albedo;  // one texel per post, or one for all
 #ifdef SKY_PICTURE

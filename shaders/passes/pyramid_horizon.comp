@@ -3,7 +3,8 @@
 // its maximum at knots and midpoints. One invocation per post and direction.
 layout(local_size_x = 8, local_size_y = 8) in;
 
-uniform sampler2D heights;       // R32F [m], framed by `frame` void posts, row 0 south
+// R32F [m], framed by `frame` void posts, row 0 south
+layout(r32f) readonly uniform image2D heights;
 uniform sampler2D eastSpacings;  // R32F [m], one texel per row
 uniform sampler2D heightPyramid; // RG32F: height times weight, weight
 layout(r16, binding = 0) writeonly uniform image2DArray horizon; // elevation codes

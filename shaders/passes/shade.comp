@@ -1,7 +1,8 @@
 // The shading texture: rgb = irradiance / pi, a = visible fraction of the sun.
 layout(local_size_x = 8, local_size_y = 8) in;
 
-uniform sampler2D heights; // R32F [m], framed by `frame` void posts, row 0 south
+// R32F [m], framed by `frame` void posts, row 0 south
+layout(r32f) readonly uniform image2D heights;
 uniform sampler2D eastSpacings; // R32F [m], one texel per row
 // R32F, sky-view factor; SKY_TABLE: rgb = irradiance / pi. Read where hasSky
 uniform sampler2D skyView;

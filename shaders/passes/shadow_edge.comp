@@ -3,7 +3,8 @@
 // of shadow_lines.comp that it runs between.
 layout(local_size_x = 8, local_size_y = 8) in;
 
-uniform sampler2D heights;      // R32F [m], framed by `frame` void posts, row 0 south
+// R32F [m], framed by `frame` void posts, row 0 south
+layout(r32f) readonly uniform image2D heights;
 uniform sampler2D eastSpacings; // R32F [m], one texel per row
 uniform sampler2D lines;        // of shadow_lines.comp
 layout(rg16f, binding = 0) writeonly uniform image2D edge;

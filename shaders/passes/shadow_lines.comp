@@ -2,7 +2,8 @@
 // the sun. A shadow sinks with every step, and a crest above it begins another.
 layout(local_size_x = 32) in;
 
-uniform sampler2D heights;      // R32F [m], framed by `frame` void posts, row 0 south
+// R32F [m], framed by `frame` void posts, row 0 south
+layout(r32f) readonly uniform image2D heights;
 uniform sampler2D eastSpacings; // R32F [m], one texel per row
 // height of the shadow [m], distance to its crest [m]: of lines one post apart, where they cross
 // column x (or row y); in row y (column x) the one whose last post is the (y - 1)-th.

@@ -3,9 +3,11 @@
 // SKY_TABLE: the light of a sky of any radiance instead.
 layout(local_size_x = 8, local_size_y = 8) in;
 
-uniform sampler2D heights; // R32F [m], framed by `frame` void posts, row 0 south
+// R32F [m], framed by `frame` void posts, row 0 south
+layout(r32f) readonly uniform image2D heights;
 uniform sampler2D eastSpacings; // R32F [m], one texel per row
-uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k/m from east
+// elevation codes, layer k looks towards 2*pi*k/m from east
+layout(r16) readonly uniform image2DArray horizon;
 #ifdef SKY_TABLE
 layout(rgba16f, binding = 0) writeonly uniform image2D skyLight; // irradiance / pi
 #else
@@ -39,7 +41,7 @@ void main()
     for (int k = 0; k < azimuths; ++k)
     {
         float phi = width * float(k);
-        float elevation = elevationOfCode(texelFetch(horizon, ivec3(post, k), 0).x);
+        float elevation = elevationOfCode(imageLoad(horizon, ivec3(post, k)).x);
 #ifdef SKY_TABLE
         sum += skyShare(elevation, normal, cos(phi), sin(phi), width, k);
 #else

@@ -369,13 +369,17 @@ TYPED_TEST(HorizonFunctions, SlopeAtStepMeetsEveryColumnAndRow)
                             continue;
                         // All steps together see what a scan without cells' insides sees.
                         TypeParam slope = G::NO_HORIZON;
+                        const auto turn = tangent * static_cast<TypeParam>(octant.drift);
+                        const auto columnAt = [&](int away)
+                        {
+                            return glsl.rayColumn(heights, glm::ivec2(x, y) + frame, octant.major(),
+                                                  octant.minor() * octant.drift, turn, away);
+                        };
                         for (int away = 1; away <= reach; ++away)
                             slope = std::max(
-                                slope, glsl.slopeAtStep(
-                                           heights, glm::ivec2(x, y) + frame,
-                                           static_cast<TypeParam>(tile.heightAt(x, y)),
-                                           octant.major(), octant.minor() * octant.drift,
-                                           tangent * static_cast<TypeParam>(octant.drift), away));
+                                slope, glsl.slopeAtStep(columnAt(away - 1), columnAt(away),
+                                                        static_cast<TypeParam>(tile.heightAt(x, y)),
+                                                        turn, away));
                         const double expected =
                             DenseRay(tile, x, y, octant, static_cast<double>(tangent))
                                 .horizon(reach, 0);

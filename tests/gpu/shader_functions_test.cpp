@@ -40,7 +40,7 @@ Raster<float> evaluate(HeadlessContext& context, const std::string& body,
     const ShaderFile file("passes/" + name + ".comp", R"(
 layout(local_size_x = 64) in;
 uniform sampler2D arguments;
-uniform sampler2D heights;
+layout(r32f) readonly uniform image2D heights;
 layout(r32f, binding = 0) writeonly uniform image2D results;
 uniform int count;
 int column() { return int(gl_GlobalInvocationID.x); }

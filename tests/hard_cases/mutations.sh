@@ -75,7 +75,7 @@ mutate hull-ties lib/horizon.glsl 's/\(eye\.y - nearer\.y\) >=/(eye.y - nearer.y
 mutate hull-side lib/horizon.glsl 's/\(eye\.y - nearer\.y\) >=/(eye.y - nearer.y) <=/'
 mutate near-reach lib/horizon.glsl 's/column <= reach;/column < reach;/'
 mutate near-inside lib/horizon.glsl 's/return inside \?/return false ?/'
-mutate near-own-cell lib/horizon.glsl 's/column == 1 && whole1/column == 0 \&\& whole1/'
+mutate near-own-cell lib/horizon.glsl 's/whole \? ahead\[i\] - here/false ? ahead[i] - here/'
 mutate near-row-crossing lib/horizon.glsl 's/max\(slope, atRow\)/slope/'
 mutate near-mirror passes/horizon_near.comp 's/drift < 0\.0 \? -1 : 1/1/'
 mutate near-step-length passes/horizon_near.comp 's/found\.slopes\[i\] \/ stepLength/found.slopes[i]/'

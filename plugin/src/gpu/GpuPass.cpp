@@ -142,6 +142,11 @@ Status GpuPass::build(osg::State& state)
              ++found)
             _program->addBindUniformBlock((*found)[2],
                                           static_cast<GLuint>(std::stoul((*found)[1])));
+        static const std::regex image(R"(readonly\s+uniform\s+\w*image\w+\s+(\w+);)");
+        _images.clear();
+        for (std::sregex_iterator found(text.begin(), text.end(), image), none; found != none;
+             ++found)
+            _images.insert((*found)[1]);
         _parts = shader->parts;
         _revision = revision;
     }
@@ -188,6 +193,7 @@ Status GpuPass::dispatchResolved(osg::State& state, Groups groups)
         if (_inputs[unit].texture)
             applyTexture(static_cast<unsigned>(unit), *_inputs[unit].texture);
 
+    bindImages(state); // names units
     _program->apply(state);
     const osg::Program::PerContextProgram* linked = _program->getPCP(state);
     for (const auto& [name, uniform] : _uniforms)
@@ -196,7 +202,6 @@ Status GpuPass::dispatchResolved(osg::State& state, Groups groups)
         block->apply(state);
     for (const auto& [binding, storage] : _storage)
         storage->apply(state);
-    bindImages(state);
     extensions->glDispatchCompute(groups.x, groups.y, groups.z);
     GLbitfield barriers = GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                           GL_TEXTURE_UPDATE_BARRIER_BIT;
@@ -207,21 +212,28 @@ Status GpuPass::dispatchResolved(osg::State& state, Groups groups)
     return Nothing{};
 }
 
-void GpuPass::bindImages(osg::State& state) const
+void GpuPass::bindImages(osg::State& state)
 {
-    const auto* extensions = state.get<osg::GLExtensions>();
-    for (std::size_t unit = 0; unit < _outputs.size(); ++unit)
+    const auto bind = [&state](unsigned unit, const osg::Texture& texture, GLenum access)
     {
-        const Output& output = _outputs[unit];
-        const GLenum target = output.texture->getTextureTarget();
+        const GLenum target = texture.getTextureTarget();
         const bool layered = target == GL_TEXTURE_2D_ARRAY_EXT || target == GL_TEXTURE_CUBE_MAP ||
                              target == GL_TEXTURE_3D;
-        extensions->glBindImageTexture(
-            static_cast<GLuint>(unit), output.texture->getTextureObject(state.getContextID())->id(),
-            0, layered ? GL_TRUE : GL_FALSE, 0,
-            output.access == Access::Write ? GL_WRITE_ONLY : GL_READ_WRITE,
-            static_cast<GLenum>(output.texture->getInternalFormat()));
-    }
+        state.get<osg::GLExtensions>()->glBindImageTexture(
+            unit, texture.getTextureObject(state.getContextID())->id(), 0,
+            layered ? GL_TRUE : GL_FALSE, 0, access,
+            static_cast<GLenum>(texture.getInternalFormat()));
+    };
+    unsigned unit = 0;
+    for (const Output& output : _outputs)
+        bind(unit++, *output.texture,
+             output.access == Access::Write ? GL_WRITE_ONLY : GL_READ_WRITE);
+    for (const Input& input : _inputs)
+        if (input.texture && _images.count(input.uniform) != 0)
+        {
+            set(input.uniform, static_cast<int>(unit));
+            bind(unit++, *input.texture, GL_READ_ONLY);
+        }
 }
 
 // What OSG believes of the state must be what it is.

@@ -13,6 +13,7 @@
 #include <osg/Uniform>
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -33,9 +34,11 @@ public:
     /// Another variant from the next dispatch on.
     void setDefines(std::vector<std::string> defines);
 
-    /// Declares that sampler `uniform` reads `texture`. Texture units are counted up from 0. Null:
-    /// the variant has no such sampler or does not read it, and what it read before is let go. Its
-    /// unit remains: OpenGL forbids two types of sampler in one.
+    /// Declares that sampler `uniform` reads `texture`, or the image, where the shader declares a
+    /// `readonly uniform` image of that name. Texture units are counted up from 0, image units from
+    /// those that writes() names on. Null: the variant has no such uniform or does not read it, and
+    /// what it read before is let go. A sampler's unit remains: OpenGL forbids two types of sampler
+    /// in one.
     void reads(const std::string& uniform, osg::Texture* texture);
     /// The same of the texture that the resource has when the pass is dispatched.
     void reads(const std::string& uniform, Resource* resource);
@@ -94,7 +97,7 @@ public:
 private:
     ~GpuPass() override = default;
     Status build(osg::State& state);
-    void bindImages(osg::State& state) const;
+    void bindImages(osg::State& state);
     void leave(osg::State& state) const;
 
     struct Input
@@ -122,6 +125,7 @@ private:
     std::map<unsigned, osg::ref_ptr<osg::ShaderStorageBufferBinding>> _storage;
     osg::ref_ptr<osg::Program> _program;
     std::vector<ComposedShader::Part> _parts;
+    std::set<std::string> _images; ///< that the shader reads only
     long long _revision = -1;
 };
 
