@@ -5,6 +5,14 @@
 uniform sampler2D osgTerrainLight_shading;
 uniform mat4 osgTerrainLight_matrix;       // source to texture coordinates, posts at texel centres
 
+// Where shadow edges are on: the sun's shadow between posts.
+uniform bool osgTerrainLight_hasEdges;
+// RGBA16F: height over the shadow, softness of its edge [m], irradiance / pi over the sun's
+// irradiance where nothing shades, 1; 0 where void
+uniform sampler2D osgTerrainLight_edges;
+uniform vec2 osgTerrainLight_posts;         // texels of it
+uniform vec3 osgTerrainLight_sunIrradiance; // on a surface that faces the sun
+
 // source: vec4 of what the tile was bound with, the vertex position or the tile coordinates, which
 // run from (0, 0) at the south-western post to (1, 1) at the north-eastern one. Affine: may be
 // computed per vertex.
@@ -13,12 +21,60 @@ vec2 terrainShadingCoordinate(vec4 source)
     return (osgTerrainLight_matrix * source).xy;
 }
 
-// Scene-linear. Bilinear between posts.
-vec4 terrainShading(vec2 coordinate)
+vec4 terrainTexel(sampler2D map, vec2 coordinate)
 {
 #if __VERSION__ >= 130
-    return texture(osgTerrainLight_shading, coordinate);
+    return texture(map, coordinate);
 #else
-    return texture2D(osgTerrainLight_shading, coordinate);
+    return texture2D(map, coordinate);
 #endif
+}
+
+// Visible fraction of the sun: of a disc that stands edge.x / edge.y of its radii over a straight
+// horizon (lib/shadow.glsl, discFraction).
+float terrainSunSeen(vec4 edge)
+{
+    float x = clamp(edge.x / max(edge.y, 1.0e-4), -1.0, 1.0);
+    return 0.5 + x * (0.6366 - x * x * (0.1017 + x * x * 0.0349));
+}
+
+// How much more of the sun a place sees than is found between the posts' fractions, and the
+// irradiance / pi of all of it. The height over the shadow is bilinear; the fraction is not.
+vec2 terrainShadowEdge(vec2 coordinate)
+{
+    vec2 place = coordinate * osgTerrainLight_posts - 0.5;
+    vec2 first = clamp(floor(place), vec2(0.0), max(osgTerrainLight_posts - 2.0, 0.0));
+    vec2 weight = clamp(place - first, 0.0, 1.0);
+    vec2 low = (first + 0.5) / osgTerrainLight_posts;
+    vec2 high = low + 1.0 / osgTerrainLight_posts;
+    vec4 southWest = terrainTexel(osgTerrainLight_edges, low);
+    vec4 southEast = terrainTexel(osgTerrainLight_edges, vec2(high.x, low.y));
+    vec4 northWest = terrainTexel(osgTerrainLight_edges, vec2(low.x, high.y));
+    vec4 northEast = terrainTexel(osgTerrainLight_edges, high);
+    vec4 weights = vec4((1.0 - weight.x) * (1.0 - weight.y), weight.x * (1.0 - weight.y),
+                        (1.0 - weight.x) * weight.y, weight.x * weight.y);
+    mat4 posts = mat4(southWest, southEast, northWest, northEast);
+    vec4 seen = vec4(terrainSunSeen(southWest), terrainSunSeen(southEast),
+                     terrainSunSeen(northWest), terrainSunSeen(northEast));
+    vec4 here = posts * weights;
+    // A post that sees all of the sun may know nearer ground instead of the crest whose shadow ends
+    // beside it. An edge is no sharper there than nearer to its crest.
+    vec4 softness = vec4(southWest.y, southEast.y, northWest.y, northEast.y);
+    vec4 shaded = weights * (1.001 - seen);
+    float least = dot(shaded, softness) / dot(shaded, vec4(1.0));
+    here.y = dot(weights, mix(softness, max(softness, vec4(least)), seen));
+    float between = dot(weights, seen);
+    // Beside voids the posts' fractions stand.
+    return here.a < 0.999 ? vec2(0.0) : vec2(terrainSunSeen(here) - between, here.z);
+}
+
+// Scene-linear. Bilinear between posts, but for the edge of the sun's shadow where it is on.
+vec4 terrainShading(vec2 coordinate)
+{
+    vec4 shading = terrainTexel(osgTerrainLight_shading, coordinate);
+    if (!osgTerrainLight_hasEdges)
+        return shading;
+    vec2 edge = terrainShadowEdge(coordinate);
+    return vec4(max(shading.rgb + osgTerrainLight_sunIrradiance * (edge.x * edge.y), 0.0),
+                clamp(shading.a + edge.x, 0.0, 1.0));
 }

@@ -151,6 +151,8 @@ const std::vector<Variant> variants = {
     {"pyramid_horizon", {}},
     {"radiance", {}},
     {"radiance", {"SUN"}},
+    {"screen_edges", {}},
+    {"screen_edges", {"SUN"}},
     {"shade", {}},
     {"shade", {"SUN"}},
     {"shade", {"SKY_TABLE"}},

@@ -85,6 +85,11 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
     GlossTransfer glossTransfer = GlossTransfer::Vector;
     /// Direction towards the viewer of GlossTransfer::Scalar: east, north, up, of any length but 0.
     std::array<double, 3> glossViewer = {0.0, 0.0, 1.0};
+    /// Whether terrain_shading.glsl, and with it the default program, finds the edge of the sun's
+    /// shadow between posts: crisp near the crest that casts it, soft far away. Costs 8 bytes per
+    /// post, and 4 more where nothing bounces. The shading texture and all rasters stay as they
+    /// are. It has no effect with a BounceMethod other than Slices.
+    bool shadowEdges = false;
     /// Radius of the planet [m], 1e3 … 1e12; 0 is a flat world. Distant terrain is lowered by the
     /// curvature: at a distance d from the middle of the tile, by d² / 2 radius. The radius of the
     /// Earth is 6 371 000; 7 323 000 (R / (1 − 0.13)) includes the refraction of its air.

@@ -55,6 +55,8 @@ struct TileValues
     bool hasLight() const { return hasSky() || hasSun() || hasKeyLights(); }
     /// Whether ground sends light by gloss.
     bool isGlossy() const;
+    /// Whether host shaders are told where the sun's shadow ends between posts.
+    bool hasEdges() const { return settings.shadowEdges && bySlices() && hasSun(); }
     /// Bounces of a tile of this size that there is something for.
     int bounces(int width, int height) const;
     /// Whether bounces are not computed in every update. Gloss is computed with them, in each.

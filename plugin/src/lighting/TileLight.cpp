@@ -263,6 +263,12 @@ void TileLight::declareTransport()
     if (bounces > 0)
         _direct = new Resource("direct light", _surface->perPost(GL_RGBA16F_ARB));
     _method->declareDirect(_transport, _direct, bounces, _glossLight);
+    _edges = nullptr;
+    if (_inputs->settings.shadowEdges)
+    {
+        _edges = new Resource("edges on screen", _surface->perPost(GL_RGBA16F_ARB));
+        _method->declareEdges(_transport, _edges);
+    }
     _bounces.clear();
     for (int bounce = 0; bounce < bounces; ++bounce)
         _bounces.push_back(_method->declareBounce(_transport));
@@ -324,6 +330,12 @@ osg::ref_ptr<osg::Texture2DArray> TileLight::glossLight() const
 {
     Lock lock(_mutex);
     return _inputs->isGlossy() ? static_cast<osg::Texture2DArray*>(_glossLight->make()) : nullptr;
+}
+
+osg::ref_ptr<osg::Texture2D> TileLight::shadowEdges() const
+{
+    Lock lock(_mutex);
+    return _inputs->hasEdges() ? static_cast<osg::Texture2D*>(_edges->make()) : nullptr;
 }
 
 std::vector<float> TileLight::readGlossLight(osg::State& state) const

@@ -106,6 +106,10 @@ public:
     /// light.
     osg::ref_ptr<osg::Texture2DArray> glossLight() const;
 
+    /// RGBA16F, a texel per post: the edges of the sun's shadow (ShadingTexture.h), as of the last
+    /// update. Null where they are off or there is no sun.
+    osg::ref_ptr<osg::Texture2D> shadowEdges() const;
+
     /// Read-back, all in tile order (row 0 south). Call after update().
     /// Of glossLight(), layer after layer, four values per post.
     std::vector<float> readGlossLight(osg::State& state) const;
@@ -164,7 +168,7 @@ private:
     osg::ref_ptr<Method> _method;
     WorkGraph::Nodes _transport;
     osg::ref_ptr<Node> _probe; ///< null where there are no probes
-    osg::ref_ptr<Resource> _shading, _glossLight;
+    osg::ref_ptr<Resource> _shading, _glossLight, _edges;
     osg::ref_ptr<Resource> _direct;               ///< light; the shading where there are no bounces
     std::vector<osg::ref_ptr<Resource>> _bounces; ///< light of each
     mutable WorkGraph _graph;

@@ -196,6 +196,7 @@ bool Scheduler::update(LitTile& tile, osg::State& state, WorkClock& clock, doubl
         return false;
     const double posts = double(tile.lighting().width()) * tile.lighting().height();
     const osg::ref_ptr<osg::Texture2DArray> gloss = tile.lighting().glossLight();
+    const osg::ref_ptr<osg::Texture2D> edges = tile.lighting().shadowEdges();
     const Status updated = tile.update(state, light,
                                        [&]
                                        {
@@ -203,8 +204,8 @@ bool Scheduler::update(LitTile& tile, osg::State& state, WorkClock& clock, doubl
                                            stopped = isSpent();
                                            return !stopped;
                                        });
-    if (tile.lighting().glossLight() != gloss)
-        ++_glossRevision;
+    if (tile.lighting().glossLight() != gloss || tile.lighting().shadowEdges() != edges)
+        ++_textureRevision;
     if (!updated)
     {
         tile.fail(id, updated.error().message);

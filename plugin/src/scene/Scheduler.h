@@ -37,7 +37,7 @@ public:
     std::atomic<double> budget{50.0}; ///< [ms] per frame; 0: no limit
 
     /// Counts updates after which a tile's light sent by gloss may be in another texture.
-    unsigned glossRevision() const { return _glossRevision; }
+    unsigned textureRevision() const { return _textureRevision; }
 
     /// Whether tile may be drawn with its shading.
     bool isLit(const LitTile& tile, unsigned context) const
@@ -91,7 +91,7 @@ private:
     std::map<unsigned, Context> _contexts;
     std::shared_ptr<const SceneLight> _light;
     std::atomic<unsigned> _revision{1};
-    std::atomic<unsigned> _glossRevision{0};
+    std::atomic<unsigned> _textureRevision{0};
     std::string _unsupported;
 };
 

@@ -151,6 +151,11 @@ ShadingBinding::ShadingBinding(osg::StateSet* stateSet, osg::Texture2D* shading,
     add(_mark);
     add(new osg::Uniform(ShadingTexture::matrix,
                          osg::Matrixf(coordinates.toTile * texelCentres(*shading))));
+    _hasEdges = new osg::Uniform(ShadingTexture::hasEdges, false);
+    _posts = new osg::Uniform(ShadingTexture::posts, osg::Vec2f());
+    add(_hasEdges);
+    add(_posts);
+    add(new osg::Uniform(ShadingTexture::edgeSampler, static_cast<int>(ShadingTexture::edgeUnit)));
     if (!program)
         return;
     stateSet->setAttribute(program);
@@ -223,6 +228,21 @@ void ShadingBinding::setGloss(osg::Texture2DArray* light, unsigned unit)
         install(_gloss, light, unit);
 }
 
+void ShadingBinding::setEdges(osg::Texture2D* edges)
+{
+    if (edges == _edges.texture)
+        return;
+    remove(*_stateSet, _edges);
+    _edges = {};
+    if (edges)
+    {
+        install(_edges, edges, ShadingTexture::edgeUnit);
+        _posts->set(osg::Vec2f(static_cast<float>(edges->getTextureWidth()),
+                               static_cast<float>(edges->getTextureHeight())));
+    }
+    _hasEdges->set(edges != nullptr);
+}
+
 void ShadingBinding::setHasColour(bool hasColour)
 {
     bool current = hasColour;
@@ -266,7 +286,8 @@ void ShadingBinding::removeAll(osg::StateSet& stateSet) const
         if (_theirProgram.first)
             stateSet.setAttribute(_theirProgram.first, _theirProgram.second);
     }
-    remove(stateSet, _gloss); // in the reverse order: each restores the lists that it found
+    remove(stateSet, _edges); // in the reverse order: each restores the lists that it found
+    remove(stateSet, _gloss);
     remove(stateSet, _shading);
 }
 

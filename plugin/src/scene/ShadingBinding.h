@@ -48,6 +48,10 @@ public:
     void setGloss(osg::Texture2DArray* light, unsigned unit);
     osg::Texture2DArray* gloss() const { return _gloss.texture.get(); }
 
+    /// The edges of the sun's shadow, in their unit; null: none, and nothing in it.
+    void setEdges(osg::Texture2D* edges);
+    osg::Texture2D* edges() const { return _edges.texture.get(); }
+
     /// Whether texture unit 0 holds the tile's colours. Effective with a program.
     void setHasColour(bool hasColour);
 
@@ -72,7 +76,7 @@ private:
     class Mark;
 
     osg::ref_ptr<osg::StateSet> _stateSet;
-    Bound<osg::Texture2D> _shading;
+    Bound<osg::Texture2D> _shading, _edges;
     Bound<osg::Texture2DArray> _gloss;
     osg::ref_ptr<osg::Program> _program;
     osg::Object::DataVariance _theirVariance;
@@ -85,7 +89,7 @@ private:
     };
     std::vector<Slot> _uniforms;
     osg::StateSet::RefAttributePair _theirProgram;
-    osg::ref_ptr<osg::Uniform> _hasColour;
+    osg::ref_ptr<osg::Uniform> _hasColour, _hasEdges, _posts;
     osg::ref_ptr<Mark> _mark;
     bool _retired = false;
 };

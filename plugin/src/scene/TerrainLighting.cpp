@@ -101,7 +101,7 @@ struct TerrainLighting::Implementation
     ProbeList probes;
     SceneUniforms uniforms; ///< on all below
     long long shaders = ShaderLibrary::instance().revision();
-    unsigned glossRevision = 0; ///< of the scheduler, when bindings followed it
+    unsigned textureRevision = 0; ///< of the scheduler, when bindings followed it
 };
 
 /// In update traversal, after the children. What is done where nothing has changed does not grow
@@ -116,10 +116,10 @@ void TerrainLighting::Implementation::update(unsigned updatesBelow)
     terrain.update(finder, updatesBelow);
     for (SceneTile* tile : registry.dynamic())
         binder.followHeights(*tile);
-    if (glossRevision != scheduler->glossRevision())
+    if (textureRevision != scheduler->textureRevision())
     {
-        glossRevision = scheduler->glossRevision();
-        registry.forEach([this](SceneTile& tile) { binder.followGloss(tile); });
+        textureRevision = scheduler->textureRevision();
+        registry.forEach([this](SceneTile& tile) { binder.followTextures(tile); });
     }
     if (probes.follow(registry))
         scheduler->touch();

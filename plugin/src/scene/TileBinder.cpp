@@ -27,7 +27,7 @@ void TileBinder::bind(SceneTile& tile, osg::StateSet* stateSet,
 {
     tile.binding = std::make_shared<ShadingBinding>(stateSet, tile.lit->lighting().shading(),
                                                     units.shading, coordinates, program);
-    followGloss(tile);
+    followTextures(tile);
 }
 
 void TileBinder::bindHost(SceneTile& tile, const DemTile& dem, osg::StateSet* stateSet,
@@ -122,10 +122,38 @@ void TileBinder::takeFrom(const osg::StateSet* stateSet)
         others->takeOff();
 }
 
-void TileBinder::followGloss(SceneTile& tile)
+void TileBinder::followTextures(SceneTile& tile)
 {
     if (!tile.binding)
         return;
+    followEdges(tile);
+    followGloss(tile);
+}
+
+void TileBinder::followEdges(SceneTile& tile)
+{
+    const osg::ref_ptr<osg::Texture2D> edges = tile.lit->lighting().shadowEdges();
+    if (edges == tile.binding->edges())
+        return;
+    const unsigned unit = ShadingTexture::edgeUnit;
+    if (edges && (unit == tile.binding->unit() || unit == units.gloss ||
+                  (tile.dynamic && tile.dynamic->getHeightUnit() == unit)))
+    {
+        OSG_WARN << "osgTerrainLight: " << tile.lit->name()
+                 << ": drawn without edges of shadows: texture unit " << unit
+                 << ", theirs, is that of the shading, of gloss or of heights" << std::endl;
+        return;
+    }
+    tile.binding->setEdges(edges);
+    if (edges)
+    {
+        tile.lit->forget(~0u);
+        _scheduler->touch();
+    }
+}
+
+void TileBinder::followGloss(SceneTile& tile)
+{
     const osg::ref_ptr<osg::Texture2DArray> light = tile.lit->lighting().glossLight();
     if (light == tile.binding->gloss())
         return;

@@ -41,8 +41,9 @@ public:
     /// gone, of another lighting too.
     void takeFrom(const osg::StateSet* stateSet);
 
-    /// Binds light sent by gloss where there is now some. Until it is computed the tile waits.
-    void followGloss(SceneTile& tile);
+    /// Binds light sent by gloss, and edges of shadows, where there are some now. Until they are
+    /// computed the tile waits.
+    void followTextures(SceneTile& tile);
     /// Hands on heights of dynamic terrain that have changed.
     void followHeights(SceneTile& tile);
 
@@ -62,6 +63,8 @@ private:
               osg::Program* program);
     osg::ref_ptr<osg::Program> programOf(const SceneTile& tile, bool wanted);
     static void take(Retired& retired);
+    void followGloss(SceneTile& tile);
+    void followEdges(SceneTile& tile);
 
     osg::ref_ptr<Scheduler> _scheduler;
     osg::ref_ptr<TilePrograms> _programs;

@@ -34,6 +34,8 @@ public:
     /// are to follow. light of gloss: written where ground is glossy.
     virtual void declareDirect(WorkGraph::Nodes& nodes, Resource* direct, int bounces,
                                Resource* lightOfGloss) = 0;
+    /// Adds what writes the edges of shadows for host shaders, where the method knows them.
+    virtual void declareEdges(WorkGraph::Nodes&, Resource*) {}
     /// Adds nodes of the next bounce. Returns what they write, RGBA16F, a texel per post: rgb =
     /// irradiance / π, a = 1; 0 where void.
     virtual osg::ref_ptr<Resource> declareBounce(WorkGraph::Nodes& nodes) = 0;

@@ -1,6 +1,7 @@
 #include "lighting/methods/Slices.h"
 
 #include "gpu/GlConstants.h"
+#include "lighting/nodes/ScreenEdgesNode.h"
 #include "lighting/nodes/ShadeNode.h"
 #include "lighting/sources/KeyLights.h"
 #include "lighting/sources/Sun.h"
@@ -68,6 +69,11 @@ void Slices::declareDirect(WorkGraph::Nodes& nodes, Resource* direct, int bounce
     nodes.emplace_back(new ShadeNode(*_inputs, *_surface, skyView(), _lights, direct));
     if (_inputs->isGlossy())
         declareGloss(nodes);
+}
+
+void Slices::declareEdges(WorkGraph::Nodes& nodes, Resource* edges)
+{
+    nodes.emplace_back(new ScreenEdgesNode(*_inputs, *_surface, _lights, edges));
 }
 
 void Slices::declareGloss(WorkGraph::Nodes& nodes)

@@ -27,6 +27,7 @@ public:
     bool mayUndershoot() const override { return _gloss.valid(); }
     void declareDirect(WorkGraph::Nodes& nodes, Resource* direct, int bounces,
                        Resource* lightOfGloss) override;
+    void declareEdges(WorkGraph::Nodes& nodes, Resource* edges) override;
     osg::ref_ptr<Resource> declareBounce(WorkGraph::Nodes& nodes) override;
     void follow(Invalidation stale) override;
 

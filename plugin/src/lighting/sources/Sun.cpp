@@ -40,8 +40,9 @@ Sun::Sun(const TileInputs& inputs, const TileSurface& surface)
     _horizon->neededWhere([in = _inputs] { return in->hasSun(); });
     _edge->follows(inputs.settingsValue);
     _edge->follows(inputs.sunPlace);
-    _edge->neededWhere([in = _inputs, width = surface.width(), height = surface.height()]
-                       { return in->hasSun() && in->bounces(width, height) > 0; });
+    _edge->neededWhere(
+        [in = _inputs, width = surface.width(), height = surface.height()]
+        { return in->hasSun() && (in->settings.shadowEdges || in->bounces(width, height) > 0); });
 }
 
 void Sun::bind(GpuPass& pass, std::vector<std::string>& defines) const
