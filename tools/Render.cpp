@@ -367,7 +367,8 @@ Mode addRender(CLI::App& tool)
            light.meaning + " One of off, sky, sun and both; default both.")
         ->type_name("off|sky|sun|both");
     addBodyRadius(*app, options->settings, options->bodyRadius);
-    for (const Topic topic : {Topic::Picture, Topic::Horizons, Topic::Bounces, Topic::Gloss})
+    for (const Topic topic :
+         {Topic::Picture, Topic::Screen, Topic::Horizons, Topic::Bounces, Topic::Gloss})
         addTopic(*app, topic, options->settings);
     for (const char* of : {"--gloss-exponent", "--gloss-transfer"})
         app->get_option(of)->needs("--gloss");

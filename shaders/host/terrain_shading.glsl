@@ -8,7 +8,7 @@ uniform mat4 osgTerrainLight_matrix;       // source to texture coordinates, pos
 // Where shadow edges are on: the sun's shadow between posts.
 uniform bool osgTerrainLight_hasEdges;
 // RGBA16F: height over the shadow, softness of its edge [m], irradiance / pi over the sun's
-// irradiance where nothing shades, 1; 0 where void
+// irradiance where nothing shades, 1 or 0.5; 0 where void
 uniform sampler2D osgTerrainLight_edges;
 uniform vec2 osgTerrainLight_posts;         // texels of it
 uniform vec3 osgTerrainLight_sunIrradiance; // on a surface that faces the sun
@@ -60,12 +60,17 @@ vec2 terrainShadowEdge(vec2 coordinate)
     // A post that sees all of the sun may know nearer ground instead of the crest whose shadow ends
     // beside it. An edge is no sharper there than nearer to its crest.
     vec4 softness = vec4(southWest.y, southEast.y, northWest.y, northEast.y);
-    vec4 shaded = weights * (1.001 - seen);
-    float least = dot(shaded, softness) / dot(shaded, vec4(1.0));
+    vec4 shaded = weights * (1.0 - seen);
+    float least = dot(shaded, softness) / max(dot(shaded, vec4(1.0)), 1.0e-3);
     here.y = dot(weights, mix(softness, max(softness, vec4(least)), seen));
     float between = dot(weights, seen);
-    // Beside voids the posts' fractions stand.
-    return here.a < 0.999 ? vec2(0.0) : vec2(terrainSunSeen(here) - between, here.z);
+    // Along the sides of a high wall's shadow, where a post only knows that it is deep in it, and
+    // beside voids, the posts' fractions stand.
+    vec4 known = vec4(southWest.a, southEast.a, northWest.a, northEast.a);
+    if (min(min(known.x, known.y), min(known.z, known.w)) < 0.25)
+        return vec2(0.0);
+    float certain = 2.0 * dot(weights, known) - 1.0;
+    return vec2((terrainSunSeen(here) - between) * certain * certain, here.z);
 }
 
 // Scene-linear. Bilinear between posts, but for the edge of the sun's shadow where it is on.

@@ -44,6 +44,13 @@ Shadow mixShadows(Shadow a, Shadow b, real weight)
     return mixed;
 }
 
+// What the surface rises or falls against the light from a post to its neighbours. relief [m]:
+// postRelief(); spacing [m]: the wider one.
+Length shadowRelief(Length relief, Length spacing, Slope sun)
+{
+    return relief + real(1.5) * spacing * abs(sun);
+}
+
 // Height of a surface over the shadow [m] and softness [m] > 0: their ratio is how many of the
 // disc's radii its centre stands above the crest. elevation, radius [rad] > 0: of the disc; sun:
 // its slope. relief [m] >= 0: what the surface rises or falls to the next places; a shadow that is

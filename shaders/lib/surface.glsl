@@ -50,6 +50,20 @@ vec2 riseBetweenPosts(HeightMap heights, vec2 place, ivec2 size, int frame, Leng
     return sum;
 }
 
+// What the surface rises or falls from a post (texel of the framed texture) to its eight
+// neighbours at most, voids left out [m].
+Length postRelief(HeightMap heights, ivec2 post)
+{
+    Length here = postHeight(heights, post);
+    Length relief = real(0.0);
+    for (int i = 0; i < 9; ++i)
+    {
+        Length beside = postHeight(heights, post + ivec2(i % 3 - 1, i / 3 - 1));
+        relief = max(relief, isVoid(beside) ? real(0.0) : abs(beside - here));
+    }
+    return relief;
+}
+
 // Unit normal of a cell at (east, north), 0 ... 1, in it. corners: its heights south-west,
 // south-east, north-west, north-east; none void. eastSpacing and northSpacing [m] > 0.
 vec3 cellNormal(vec4 corners, real east, real north, Length eastSpacing, Length northSpacing)

@@ -5,7 +5,8 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(r32f) readonly uniform image2D heights;
 uniform sampler2D eastSpacings; // R32F [m], one texel per row
 // Height over the shadow and softness of its edge [m]; irradiance / pi of a post that no terrain
-// shades, over sunIrradiance; 1, or all 0 where void.
+// shades, over sunIrradiance; 1, or 0.5 where the shadow is too high to say where beside the post
+// it ends. All 0 where void.
 layout(rgba16f, binding = 0) writeonly uniform image2D edges;
 
 uniform ivec2 size; // posts
@@ -21,11 +22,18 @@ void main()
 #ifdef SUN
     if (!isVoid(postHeight(heights, post + frame)))
     {
-        vec3 normal = postNormal(heights, post + frame,
-                                 texelFetch(eastSpacings, ivec2(0, post.y), 0).x, northSpacing);
+        Length east = texelFetch(eastSpacings, ivec2(0, post.y), 0).x;
+        vec3 normal = postNormal(heights, post + frame, east, northSpacing);
+        Length spacing = max(east, northSpacing);
+        Slope sun = sunDirection.z / max(length(sunDirection.xy), 1.0e-3);
+        vec2 over = overSunShadow(post);
+        Length most = shadowRelief(postRelief(heights, post + frame), spacing, sun) + over.y;
+        float known = over.x > -0.98 * most ? 1.0 : 0.5;
+        if (over.y > 1.0e4) // there is no crest: as over level ground
+            over = vec2(spacing * abs(sun), 0.0);
         // A part of the disc may be below the horizontal.
         float risen = discFraction(sunElevation / sunRadius);
-        edge = vec4(overSunShadow(post), risen * max(dot(normal, sunDirection), 0.0) / PI, 1.0);
+        edge = vec4(over, risen * max(dot(normal, sunDirection), 0.0) / PI, known);
     }
 #endif
     imageStore(edges, post, edge);

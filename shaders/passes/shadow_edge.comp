@@ -69,13 +69,8 @@ void main()
     Shadow far = farShadow(ray, post, NEAR, stepLength);
     if (far.height > shadow.height)
         shadow = far;
-    Length relief = 0.0;
-    for (int i = 0; i < 9; ++i)
-    {
-        Length beside = postHeight(heights, post + frame + ivec2(i % 3, i / 3) - 1);
-        relief = max(relief, isVoid(beside) ? 0.0 : abs(beside - here));
-    }
-    relief += 1.5 * max(east, northSpacing) * abs(sunSlope);
+    Length relief =
+        shadowRelief(postRelief(heights, post + frame), max(east, northSpacing), sunSlope);
     vec2 over = overShadow(shadow, here, sunElevation, sunSlope, sunRadius, relief);
     imageStore(edge, post, vec4(clamp(over, vec2(-6.0e4), vec2(6.0e4)), 0.0, 0.0));
 }

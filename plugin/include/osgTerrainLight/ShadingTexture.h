@@ -40,7 +40,8 @@ struct ShadingTexture
     /// The default texture unit of the edge of the sun's shadow, where LightingSettings has
     /// shadowEdges, and the sampler2D that reads it: RGBA16F, a texel per post: the height over the
     /// shadow [m], negative in it, the softness of its edge [m], irradiance / pi over the sun's
-    /// irradiance where nothing shades, and 1; all 0 where void. terrain_shading.glsl reads it.
+    /// irradiance where nothing shades, and 1, or 0.5 where the shadow is too high to say where it
+    /// ends; all 0 where void. terrain_shading.glsl reads it.
     static constexpr unsigned edgeUnit = 4;
     static constexpr const char* edgeSampler = "osgTerrainLight_edges";
     /// The bool that says whether it is there, and the vec2 number of its texels.

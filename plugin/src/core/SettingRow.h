@@ -70,6 +70,7 @@ enum class Topic
     Bounces,
     Gloss,
     Picture,
+    Screen, ///< how it is drawn: no raster shows it
     Sun,
     Sky,
     KeyLights,

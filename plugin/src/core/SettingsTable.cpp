@@ -218,10 +218,9 @@ const std::vector<Setting<LightingSettings>>& settingsOf()
         row("gloss-viewer", &S::glossViewer, {Kind::Real, -1e15, 1e15, "", 3, false, {}},
             Topic::Gloss, I::GlossTransfer,
             "Direction of that viewer for gloss-transfer scalar: east, north, up.", By::Code),
-        row("shadow-edges", &S::shadowEdges, oneOf<bool>(), Topic::Picture, I::Transport,
+        row("shadow-edges", &S::shadowEdges, oneOf<bool>(), Topic::Screen, I::Transport,
             "Whether the edge of the sun's shadow is drawn between posts: crisp near the crest "
-            "that casts it, soft far away.",
-            By::Key),
+            "that casts it, soft far away."),
         row("exposure", &S::exposure, real(-20, 20, "stops"), Topic::Picture, I::Display,
             "Brightness of the picture: colours are multiplied by 2 to this power."),
     };
