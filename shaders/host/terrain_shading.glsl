@@ -80,6 +80,8 @@ vec4 terrainShading(vec2 coordinate)
     if (!osgTerrainLight_hasEdges)
         return shading;
     vec2 edge = terrainShadowEdge(coordinate);
-    return vec4(max(shading.rgb + osgTerrainLight_sunIrradiance * (edge.x * edge.y), 0.0),
-                clamp(shading.a + edge.x, 0.0, 1.0));
+    // No more sunlight goes than is there, nor comes than there can be.
+    float seen = clamp(shading.a + edge.x, 0.0, 1.0);
+    vec3 change = osgTerrainLight_sunIrradiance * ((seen - shading.a) * edge.y);
+    return vec4(max(shading.rgb + change, 0.0), seen);
 }

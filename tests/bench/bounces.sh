@@ -1,27 +1,71 @@
 #!/usr/bin/env bash
 # Writes docs/measurements/BOUNCES.md and its pictures: time of one bounce against its error, from runs of `terrainlight
-# bench`. Usage: bounces.sh [TERRAINLIGHT [RESULTS]]: the program to measure, and a folder for its CSV and
-# pictures. What RESULTS holds already is not measured again: remove it to do so.
+# bench`. Usage: bounces.sh [TERRAINLIGHT [RESULTS [BEFORE]]]: the program to measure, a folder for its CSV and
+# pictures, and a former program: its fronts are drawn beside the new ones. What RESULTS holds already is not measured
+# again: remove it to do so.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 tool=${1:-build/bin/terrainlight}
 results=${2:-build/bounces}
+before=${3:-}
 mkdir -p "$results" docs/measurements/images
 document=docs/measurements/BOUNCES.md
 measured=()
 
+# run PROGRAM FILES METHODS ARGUMENT...: where it has not run yet.
+run()
+{
+  local program=$1 files=$2 methods=$3
+  shift 3
+  [[ ! -f $files.svg ]] || return 0
+  echo "measuring $files"
+  "$program" bench "$@" --bounces 1 --sun 315,25 --azimuths 16,32,64 --posts 2000 --paths 65536 --repeats 2 \
+    --methods "$methods" --csv "$files.csv" --plot "$files.svg" -q >"$files.txt"
+}
+
+# series CSV: of each quality, time of the bounce [ms] and its error [%].
+series()
+{
+  awk -F, '
+    NR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i; next }
+    $column["method"] != last && NR > 2 { print "\n" }
+    { last = $column["method"]
+      print $column["gpu_bounce_ms"], 100 * $column["indirect_relative_rms"], last }' "$1"
+}
+
+# compare NAME TITLE: both fronts in one picture.
+compare()
+{
+  local name=$1
+  series "$results/${name}_before.csv" >"$results/$name.old.dat"
+  series "$results/$name.sweeps.csv" >"$results/$name.new.dat"
+  gnuplot <<GNUPLOT
+set terminal svg size 720,480
+set output "docs/measurements/images/bounces_${name}_before.svg"
+set title "$2: one bounce, 16, 32 and 64 azimuths"
+set logscale xy
+set xlabel "milliseconds of the bounce"
+set ylabel "relative RMS error of the bounce [%]"
+set key bottom left
+plot for [i=0:2] "$results/$name.old.dat" index i with linespoints lc "gray40" pt i + 4 dt 2 \
+       title "gather, before: ".word("draft normal best", i + 1), \
+     for [i=0:2] "$results/$name.new.dat" index i with linespoints lc "dark-orange" pt i + 4 \
+       title "line sweep: ".word("draft normal best", i + 1)
+GNUPLOT
+}
+
 # measure NAME TITLE ARGUMENT...: one terrain.
 measure()
 {
-  local name=$1 title=$2 files=$results/$1
+  local name=$1 title=$2 sweeps=sweep-draft,sweep-normal,sweep-best
   shift 2
-  if [[ ! -f $files.svg ]]; then
-    echo "measuring $name"
-    "$tool" bench "$@" --bounces 1 --sun 315,25 --azimuths 16,32,64 --posts 2000 --paths 65536 --repeats 2 \
-      --methods sweep-draft,sweep-normal,sweep-best,legendre \
-      --csv "$files.csv" --plot "$files.svg" -q >"$files.txt"
+  run "$tool" "$results/$name" "$sweeps,legendre" "$@"
+  cp "$results/$name.svg" "docs/measurements/images/bounces_$name.svg"
+  if [[ -n $before ]]; then
+    run "$before" "$results/${name}_before" "$sweeps" "$@"
+    grep -v '^legendre' "$results/$name.csv" >"$results/$name.sweeps.csv"
+    compare "$name" "$title"
   fi
-  cp "$files.svg" "docs/measurements/images/bounces_$name.svg"
   measured+=("$name:$title")
 }
 measure fractal "Generated fractal, 30 m" --generate fractal --size 128
@@ -49,6 +93,8 @@ MARKDOWN
   for entry in "${measured[@]}"; do
     name=${entry%%:*}
     printf '\n## %s\n\n![Time against error](images/bounces_%s.svg)\n\n' "${entry#*:}" "$name"
+    [[ ! -f docs/measurements/images/bounces_${name}_before.svg ]] || printf '%s\n\n' \
+      "![The same beside the gather that the line sweep replaced](images/bounces_${name}_before.svg)"
     awk -F, '
       NR == 1 {
         for (i = 1; i <= NF; ++i) column[$i] = i

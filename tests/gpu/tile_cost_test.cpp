@@ -97,6 +97,7 @@ const std::map<std::string, std::string> otherValues = {
     {"gloss-exponent", "16"},
     {"gloss-transfer", "scalar"},
     {"gloss-viewer", "1,0,0"},
+    {"shadow-edges", "on"},
     {"exposure", "2"},
     {"sun-azimuth", "100"},
     {"sun-elevation", "10"},
@@ -128,7 +129,7 @@ std::set<std::string> stagesBehind(Invalidation invalidates)
     if (meets(invalidates, I::Keys))
         stages.insert("key");
     if (meets(invalidates, I::Transport | I::Pace | I::Gloss))
-        stages.insert({"pyramid", "gloss"});
+        stages.insert({"pyramid", "gloss", "edges"});
     if (!stages.empty() || meets(invalidates, I::Light))
         stages.insert("shade");
     if (!stages.empty() || meets(invalidates, I::Albedo))

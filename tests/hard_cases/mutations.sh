@@ -163,6 +163,15 @@ mutate shadow-lines passes/shadow_lines.comp 's/shadow\.height -= stepLength/sha
   gpu_tests:BounceClosedForm.CorrugationsInTheSun
 mutate shadow-far passes/shadow_edge.comp 's/if \(far\.height > shadow\.height\)/if (false)/' \
   gpu_tests:BounceClosedForm.CorrugationsInTheSun
+edges()
+{
+  mutate "$1" "$2" "$3" "gpu_tests:ShadowEdges.*"
+}
+edges edge-softness host/terrain_shading.glsl 's/max\(softness, vec4\(least\)\)/softness/'
+edges edge-posts host/terrain_shading.glsl 's/terrainSunSeen\(here\) - between/terrainSunSeen(here)/'
+edges edge-known host/terrain_shading.glsl 's/certain \* certain/0.0/'
+edges edge-facing passes/screen_edges.comp 's/risen \* max/0.5 * risen * max/'
+edges edge-relief passes/screen_edges.comp 's/over\.x > -0\.98 \* most/over.x > 0.0/'
 mutate faces-views passes/faces.comp 's/min\(views\[i\] .*MOST_MORE\)/1.0/' \
   'gpu_tests:*HardGround*/Mine'
 mutate faces-inside passes/faces.comp 's/INSIDE = 0\.2/INSIDE = 1.0/' 'gpu_tests:*HardGround*/Mine'

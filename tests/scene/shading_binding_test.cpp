@@ -69,6 +69,26 @@ TEST(ShadingBinding, GivesBackWhatItReplaced)
             EXPECT_EQ(stateSet->getTextureAttribute(ShadingTexture::glossUnit,
                                                     osg::StateAttribute::TEXTURE),
                       gloss);
+            const osg::ref_ptr<osg::Texture2D> edges = shadingTexture();
+            const auto edgeSampler = [&]
+            {
+                int found = -1;
+                stateSet->getUniform(ShadingTexture::edgeSampler)->get(found);
+                return static_cast<unsigned>(found);
+            };
+            EXPECT_EQ(edgeSampler(), unit); // a sampler2D, as that of the shading
+            binding.setEdges(edges);
+            EXPECT_EQ(edgeSampler(), ShadingTexture::edgeUnit);
+            EXPECT_EQ(stateSet->getTextureAttribute(ShadingTexture::edgeUnit,
+                                                    osg::StateAttribute::TEXTURE),
+                      edges);
+            if (unit == 3u)
+            {
+                binding.setEdges(nullptr);
+                EXPECT_EQ(edgeSampler(), unit);
+                EXPECT_FALSE(stateSet->getTextureAttribute(ShadingTexture::edgeUnit,
+                                                           osg::StateAttribute::TEXTURE));
+            }
             if (unit == 1u) // taken off with the rest, and before it
                 binding.setGloss(nullptr, ShadingTexture::glossUnit);
             EXPECT_EQ(stateSet->getDataVariance(), osg::Object::DYNAMIC);

@@ -87,7 +87,7 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
     std::array<double, 3> glossViewer = {0.0, 0.0, 1.0};
     /// Whether terrain_shading.glsl, and with it the default program, finds the edge of the sun's
     /// shadow between posts: crisp near the crest that casts it, soft far away. Costs 8 bytes per
-    /// post, and 4 more where nothing bounces. The shading texture and all rasters stay as they
+    /// post, and 12 more where nothing bounces. The shading texture and all rasters stay as they
     /// are. It has no effect with a BounceMethod other than Slices.
     bool shadowEdges = false;
     /// Radius of the planet [m], 1e3 … 1e12; 0 is a flat world. Distant terrain is lowered by the

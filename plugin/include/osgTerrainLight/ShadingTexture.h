@@ -37,12 +37,12 @@ struct ShadingTexture
     /// sun; 0 where there is no sun. TerrainLighting sets both for all below it.
     static constexpr const char* sunDirection = "osgTerrainLight_sunDirection";
     static constexpr const char* sunIrradiance = "osgTerrainLight_sunIrradiance";
-    /// The default texture unit of the edge of the sun's shadow, where LightingSettings has
-    /// shadowEdges, and the sampler2D that reads it: RGBA16F, a texel per post: the height over the
+    /// The texture unit of the edge of the sun's shadow, where LightingSettings has shadowEdges,
+    /// and the sampler2D that reads it: RGBA16F, a texel per post: the height over the
     /// shadow [m], negative in it, the softness of its edge [m], irradiance / pi over the sun's
     /// irradiance where nothing shades, and 1, or 0.5 where the shadow is too high to say where it
     /// ends; all 0 where void. terrain_shading.glsl reads it.
-    static constexpr unsigned edgeUnit = 4;
+    static constexpr unsigned edgeUnit = 8;
     static constexpr const char* edgeSampler = "osgTerrainLight_edges";
     /// The bool that says whether it is there, and the vec2 number of its texels.
     static constexpr const char* hasEdges = "osgTerrainLight_hasEdges";

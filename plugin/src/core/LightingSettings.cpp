@@ -101,9 +101,14 @@ std::string ParameterRange::complaint(double value) const
 std::vector<IdleSetting> idleSettings(const LightingSettings& settings)
 {
     const bool bySlices = settings.bounceMethod == BounceMethod::Slices;
-    const std::string name = bySlices ? "subsampling" : "gloss";
-    return {{name, name + " has no effect with bounce method " + toString(settings.bounceMethod) +
-                       ": needs " + (bySlices ? "legendre or legendre-bspline" : "slices")}};
+    const std::string needs = std::string(" has no effect with bounce method ") +
+                              toString(settings.bounceMethod) + ": needs " +
+                              (bySlices ? "legendre or legendre-bspline" : "slices");
+    std::vector<IdleSetting> idle;
+    for (const std::string& name : bySlices ? std::vector<std::string>{"subsampling"}
+                                            : std::vector<std::string>{"gloss", "shadow-edges"})
+        idle.push_back({name, name + needs});
+    return idle;
 }
 
 std::vector<IdleSetting> idleSettings(const SkyLight& sky)

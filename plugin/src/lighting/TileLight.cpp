@@ -45,6 +45,7 @@ TileLight::TileLight(const DemTile& tile, const LightingSettings& settings, cons
       _shading(new Resource("shading", {tile.width(), tile.height(), 0, GL_RGBA16F_ARB})),
       _glossLight(new Resource("light of gloss",
                                {tile.width(), tile.height(), GlossWork::layers, GL_RGBA16F_ARB})),
+      _edges(new Resource("edges on screen", {tile.width(), tile.height(), 0, GL_RGBA16F_ARB})),
       _turn(nextTurn())
 {
     _latest.settings = settings;
@@ -263,12 +264,10 @@ void TileLight::declareTransport()
     if (bounces > 0)
         _direct = new Resource("direct light", _surface->perPost(GL_RGBA16F_ARB));
     _method->declareDirect(_transport, _direct, bounces, _glossLight);
-    _edges = nullptr;
     if (_inputs->settings.shadowEdges)
-    {
-        _edges = new Resource("edges on screen", _surface->perPost(GL_RGBA16F_ARB));
         _method->declareEdges(_transport, _edges);
-    }
+    else
+        _edges->drop();
     _bounces.clear();
     for (int bounce = 0; bounce < bounces; ++bounce)
         _bounces.push_back(_method->declareBounce(_transport));

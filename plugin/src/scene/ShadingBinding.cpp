@@ -155,7 +155,10 @@ ShadingBinding::ShadingBinding(osg::StateSet* stateSet, osg::Texture2D* shading,
     _posts = new osg::Uniform(ShadingTexture::posts, osg::Vec2f());
     add(_hasEdges);
     add(_posts);
-    add(new osg::Uniform(ShadingTexture::edgeSampler, static_cast<int>(ShadingTexture::edgeUnit)));
+    // Without edges the sampler has the shading's unit: OpenGL forbids samplers of two types in
+    // one.
+    _edgeSampler = new osg::Uniform(ShadingTexture::edgeSampler, static_cast<int>(unit));
+    add(_edgeSampler);
     if (!program)
         return;
     stateSet->setAttribute(program);
@@ -240,6 +243,7 @@ void ShadingBinding::setEdges(osg::Texture2D* edges)
         _posts->set(osg::Vec2f(static_cast<float>(edges->getTextureWidth()),
                                static_cast<float>(edges->getTextureHeight())));
     }
+    _edgeSampler->set(static_cast<int>(edges ? ShadingTexture::edgeUnit : unit()));
     _hasEdges->set(edges != nullptr);
 }
 

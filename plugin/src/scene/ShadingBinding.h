@@ -89,7 +89,7 @@ private:
     };
     std::vector<Slot> _uniforms;
     osg::StateSet::RefAttributePair _theirProgram;
-    osg::ref_ptr<osg::Uniform> _hasColour, _hasEdges, _posts;
+    osg::ref_ptr<osg::Uniform> _hasColour, _edgeSampler, _hasEdges, _posts;
     osg::ref_ptr<Mark> _mark;
     bool _retired = false;
 };

@@ -47,8 +47,8 @@ void TileBinder::bindDynamic(SceneTile& tile, DynamicTerrain& terrain)
                           stateSet->getAttribute(osg::StateAttribute::PROGRAM)) != nullptr;
     const osg::ref_ptr<osg::Program> program =
         ours ? new DisplacedProgram(_programs, _scheduler, tile.lit) : nullptr;
+    tile.dynamic = &terrain; // whose unit other textures must leave alone
     bind(tile, stateSet, {}, program);
-    tile.dynamic = &terrain;
     followHeights(tile);
 }
 
@@ -133,17 +133,18 @@ void TileBinder::followTextures(SceneTile& tile)
 void TileBinder::followEdges(SceneTile& tile)
 {
     const osg::ref_ptr<osg::Texture2D> edges = tile.lit->lighting().shadowEdges();
-    if (edges == tile.binding->edges())
-        return;
     const unsigned unit = ShadingTexture::edgeUnit;
     if (edges && (unit == tile.binding->unit() || unit == units.gloss ||
                   (tile.dynamic && tile.dynamic->getHeightUnit() == unit)))
     {
+        tile.binding->setEdges(nullptr);
         OSG_WARN << "osgTerrainLight: " << tile.lit->name()
                  << ": drawn without edges of shadows: texture unit " << unit
                  << ", theirs, is that of the shading, of gloss or of heights" << std::endl;
         return;
     }
+    if (edges == tile.binding->edges())
+        return;
     tile.binding->setEdges(edges);
     if (edges)
     {
