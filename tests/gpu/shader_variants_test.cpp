@@ -265,7 +265,7 @@ TEST(ShaderVariants, EveryVariantFitsTheUniformsThatOpenGlGuarantees)
         const GLuint handle = program->getPCP(state)->getHandle();
         GLint count = 0;
         extensions->glGetProgramiv(handle, GL_ACTIVE_UNIFORMS, &count);
-        GLint vectors = 0;
+        GLint vectors = 0, images = 0;
         for (GLuint i = 0; i < static_cast<GLuint>(count); ++i)
         {
             GLint block = -1;
@@ -275,9 +275,16 @@ TEST(ShaderVariants, EveryVariantFitsTheUniformsThatOpenGlGuarantees)
             GLint size = 0;
             extensions->glGetActiveUniformsiv(handle, 1, &i, GL_UNIFORM_SIZE, &size);
             vectors += size;
+            GLint type = 0;
+            extensions->glGetActiveUniformsiv(handle, 1, &i, GL_UNIFORM_TYPE, &type);
+            constexpr GLint firstImage = 0x904C; // GL_IMAGE_1D
+            constexpr GLint lastImage = 0x906C;  // GL_UNSIGNED_INT_IMAGE_2D_MULTISAMPLE_ARRAY
+            images += type >= firstImage && type <= lastImage ? size : 0;
         }
         EXPECT_GT(vectors, 0);
         EXPECT_LE(4 * vectors, 1024);
+        EXPECT_GE(images, 1); // what the pass writes
+        EXPECT_LE(images, 8);
         program->releaseGLObjects(&state);
     }
     EXPECT_EQ(takeGlErrors(), "");

@@ -35,7 +35,8 @@ namespace osgTerrainLight
 /// takes up what they set. update() and the read functions need the current context of their state.
 /// Stages: heights (they have been set), horizon (a sky or a bounce is on), table (a sky in
 /// harmonics is on), sky (a sky is on), key (a key light is above the horizontal and not black),
-/// sun (a sun is on and not wholly below the horizontal), pyramid (of heights: bounces are on),
+/// sun (a sun is on and not wholly below the horizontal), shadow (there is such a sun, and bounces
+/// or shadow edges), edges (the same, and shadow edges), pyramid (of heights: bounces of gloss),
 /// shade (direct light), gloss (the ground is glossy, and there is light), sent and bounce (bounces
 /// are on, and there is what they would bounce: each once per bounce), compose (there are bounces:
 /// adds them to direct light), probe (there are probes). With a BounceMethod other than Slices,
