@@ -1,0 +1,118 @@
+#include "core/LevelReducer.h"
+
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace osgTerrainLight
+{
+namespace
+{
+constexpr float missing = std::numeric_limits<float>::quiet_NaN();
+
+float higher(float a, float b)
+{
+    return std::fmax(a, b); // the other where one is NaN
+}
+
+float mean(float a, float b)
+{
+    return std::isnan(a) ? b : std::isnan(b) ? a : 0.5f * (a + b);
+}
+
+/// South-west, south-east, north-west, north-east.
+float reduce(int axis, float sw, float se, float nw, float ne)
+{
+    return axis == 0 ? mean(higher(sw, se), higher(nw, ne)) : mean(higher(sw, nw), higher(se, ne));
+}
+
+/// NaN beside the row.
+float at(const std::vector<float>& row, int column)
+{
+    return column >= 0 && column < static_cast<int>(row.size())
+               ? row[static_cast<std::size_t>(column)]
+               : missing;
+}
+} // namespace
+
+LevelReducer::LevelReducer(int width, int height, int levels, Take take)
+    : _width(width), _height(height), _take(std::move(take)),
+      _levels(static_cast<std::size_t>(levels))
+{
+    assert(width >= 1 && height >= 1 && levels >= 1);
+}
+
+int LevelReducer::posts(int count, int level)
+{
+    const int step = 1 << level;
+    return (count - 1 + step - 1) / step + 1;
+}
+
+void LevelReducer::addRow(const float* heights)
+{
+    assert(_row < _height);
+    std::vector<float> row(heights, heights + _width);
+    if (_row > 0)
+    {
+        std::array<std::vector<float>, 2> cells;
+        for (int axis = 0; axis < 2; ++axis)
+        {
+            std::vector<float>& made = cells[static_cast<std::size_t>(axis)];
+            made.resize(static_cast<std::size_t>(std::max(1, _width - 1)));
+            for (int i = 0; i < static_cast<int>(made.size()); ++i)
+                made[static_cast<std::size_t>(i)] =
+                    reduce(axis, at(_before, i), at(_before, i + 1), at(row, i), at(row, i + 1));
+        }
+        addCells(1, std::move(cells));
+    }
+    else if (_height == 1) // no cells: the row's own
+        addCells(1, {row, row});
+    _before = std::move(row);
+    if (++_row == _height)
+        end(1);
+}
+
+/// cells: of level - 1, the next row of them.
+void LevelReducer::addCells(int level, std::array<std::vector<float>, 2> cells)
+{
+    Level& now = _levels[static_cast<std::size_t>(level - 1)];
+    const bool isFirst = now.cells % 2 == 0; // of the two of a cell of this level
+    const int width = posts(_width, level);
+    std::array<std::vector<float>, 2> made;
+    for (int axis = 0; axis < 2; ++axis)
+    {
+        const std::vector<float>& south = now.last[static_cast<std::size_t>(axis)];
+        const std::vector<float>& north = cells[static_cast<std::size_t>(axis)];
+        std::vector<float>& row = made[static_cast<std::size_t>(axis)];
+        row.resize(static_cast<std::size_t>(isFirst ? width : std::max(1, width - 1)));
+        for (int i = 0; i < static_cast<int>(row.size()); ++i)
+        {
+            const int west = isFirst ? 2 * i - 1 : 2 * i;
+            row[static_cast<std::size_t>(i)] = reduce(axis, at(south, west), at(south, west + 1),
+                                                      at(north, west), at(north, west + 1));
+        }
+    }
+    // Around a post lie the second row of a cell and the first of the next.
+    if (isFirst)
+        _take(level, now.rows++, made);
+    now.last = std::move(cells);
+    ++now.cells;
+    if (!isFirst && level < static_cast<int>(_levels.size()))
+        addCells(level + 1, std::move(made));
+}
+
+/// All rows were given: what is left of this level and the coarser ones.
+void LevelReducer::end(int level)
+{
+    if (level > static_cast<int>(_levels.size()))
+        return;
+    Level& now = _levels[static_cast<std::size_t>(level - 1)];
+    const std::size_t width = now.last[0].size();
+    const std::array<std::vector<float>, 2> none = {std::vector<float>(width, missing),
+                                                    std::vector<float>(width, missing)};
+    while (now.rows < posts(_height, level) || now.cells % 2 != 0)
+        addCells(level, none);
+    end(level + 1);
+}
+
+} // namespace osgTerrainLight
