@@ -5,7 +5,7 @@
 struct Window
 {
     ivec2 first; // where its first post stands
-    ivec2 last;  // and its last
+    ivec2 last;  // where it ends: at its last post or, if that is beyond the data, before it
     ivec2 texel; // of the first
     int step;    // from post to post, a power of two
 };
@@ -18,8 +18,10 @@ real exitOf(Window window, vec2 place, GridRay ray)
     real x = ray.step.x < real(0.0) ? low.x : high.x;
     real y = ray.step.y < real(0.0) ? low.y : high.y;
     // Along an axis that it does not move along, it leaves nowhere.
-    x = x / max(abs(ray.step.x), real(1.0e-7));
-    y = y / max(abs(ray.step.y), real(1.0e-7));
+    real east = abs(ray.step.x);
+    real north = abs(ray.step.y);
+    x = east < real(1.0e-7) ? (x < real(0.0) ? real(-1.0) : real(1.0e9)) : x / east;
+    y = north < real(1.0e-7) ? (y < real(0.0) ? real(-1.0) : real(1.0e9)) : y / north;
     return min(x, y);
 }
 
@@ -48,7 +50,7 @@ Length columnHeight(HeightMap heights, Window window, ivec2 post, GridRay ray, r
     real across = (real(east ? from.y : from.x) + ray.drift * away) / step;
     int whole = int(floor(across));
     ivec2 place = east ? ivec2(column, whole) : ivec2(whole, column);
-    ivec2 count = (window.last - window.first) / window.step;
+    ivec2 count = (window.last - window.first + ivec2(window.step - 1, window.step - 1)) / window.step;
     bool inside = place.x >= 0 && place.y >= 0 && place.x <= count.x && place.y <= count.y;
     ivec2 texel = window.texel + place;
     if (!inside)
@@ -81,7 +83,7 @@ Slope slopeInWindow(HeightMap heights, Window window, ivec2 post, Length here, G
     real share = (row - before) / ray.drift;
     int column = int(floor(real(east ? from.x : from.y) / step + real(look) * away / step + real(0.5)));
     ivec2 place = east ? ivec2(column, int(row)) : ivec2(int(row), column);
-    ivec2 count = (window.last - window.first) / window.step;
+    ivec2 count = (window.last - window.first + ivec2(window.step - 1, window.step - 1)) / window.step;
     bool inside = place.x >= 0 && place.y >= 0 && place.x <= count.x && place.y <= count.y;
     ivec2 texel = window.texel + place;
     rise = inside ? crossingHeight(postHeight(heights, texel - ray.major),

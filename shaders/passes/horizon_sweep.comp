@@ -248,14 +248,14 @@ vec2 vertexSeen(vec2 eye)
 
 #ifdef FAR_LEVELS
 // Slope at which a post's ray meets the surface `away` steps from it or just beyond, in the first
-// window from `level` on that it has not left there; that level.
+// window from `level` on that it has not left there; that level. end: steps to the end of the data.
 struct Met
 {
     Slope slope;
     int level;
 };
 
-Met slopeFrom(ivec2 post, float here, GridRay ray, bool north, int level, float away)
+Met slopeFrom(ivec2 post, float here, GridRay ray, bool north, int level, float away, float end)
 {
     Met met;
     met.slope = NO_HORIZON;
@@ -264,8 +264,15 @@ Met slopeFrom(ivec2 post, float here, GridRay ray, bool north, int level, float 
     {
         Window window = windowOf(level, north);
         float column = columnFrom(window, post, ray, away);
-        if (column > exitOf(window, vec2(post), ray))
+        float exit = exitOf(window, vec2(post), ray);
+        // Beyond the last column that a ray crosses it may still cross the edge of the data.
+        bool last = exit > end - 0.01;
+        if (column > exit + (last ? float(window.step) - 0.001 : 0.0))
+        {
+            if (last)
+                break;
             continue;
+        }
         met.level = level;
         if (level == 0)
             met.slope = slopeInWindow(heights, window, post, here, ray, column);
@@ -281,15 +288,14 @@ Met slopeFrom(ivec2 post, float here, GridRay ray, bool north, int level, float 
 // Horizon of a post that asks the line after so many steps [m per step].
 Slope slopeSeen(Line line, ivec2 post, vec2 eye)
 {
-    if (vertices == 0)
-        return NO_HORIZON;
     GridRay ray = gridRay(line.drift, line.look, line.north);
     vec2 seen = vertexSeen(eye);
-    // What the line sees last, the ray may be beside the data of.
-    float exit = exitOf(windowOf(FAR_LEVELS, line.north), vec2(post), ray);
-    float found = min(eye.y - seen.y, floor(exit));
+    // What the line sees last may lie beyond where the ray leaves the data.
+    float end = exitOf(windowOf(FAR_LEVELS, line.north), vec2(post), ray);
+    float exit = floor(end);
+    float found = vertices > 0 ? min(eye.y - seen.y, exit) : exit;
     Slope slope = NO_HORIZON;
-    Met at = slopeFrom(post, eye.x, ray, line.north, 0, max(found, 1.0));
+    Met at = slopeFrom(post, eye.x, ray, line.north, 0, max(found, 1.0), end);
     int finer = max(at.level - 1, 0);
     float step = float(1 << at.level);
     if (found > float(reach))
@@ -298,10 +304,11 @@ Slope slopeSeen(Line line, ivec2 post, vec2 eye)
     {
         float away = found + float(i) * step;
         if (away > float(reach) && i != 0)
-            slope = max(slope, slopeFrom(post, eye.x, ray, line.north, finer, away).slope);
+            slope = max(slope, slopeFrom(post, eye.x, ray, line.north, finer, away, end).slope);
     }
     // Beside a void the ray may meet no surface there; then the line's word stands.
-    return slope > NO_HORIZON ? slope : (seen.x - eye.x) / (eye.y - seen.y);
+    bool word = vertices > 0 && exit > float(reach) && slope <= NO_HORIZON;
+    return word ? (seen.x - eye.x) / (eye.y - seen.y) : slope;
 }
 #else
 // Horizon of a post that asks the line after so many steps [m per step].

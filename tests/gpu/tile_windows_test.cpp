@@ -15,28 +15,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
+#include <functional>
 
 using namespace osgTerrainLight;
 using namespace osgTerrainLight::testing;
 
 namespace
 {
-
-/// Values of a post, `count` of them, of a whole terrain.
-struct Whole
-{
-    int width = 0, height = 0, count = 0;
-    std::vector<float> values;
-
-    float* at(int column, int row)
-    {
-        return &values[(static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
-                        static_cast<std::size_t>(column)) *
-                       static_cast<std::size_t>(count)];
-    }
-};
-
-using Read = std::function<std::vector<float>(TileLight&, int column, int row)>;
 
 struct Case
 {
@@ -145,10 +131,17 @@ Differences measureHorizons(osg::State& state, const DemTile& tile, HorizonQuali
     lit.settings.azimuths = 32;
     lit.settings.quality = quality;
     const auto read = [&](TileLight& light) { return horizonsOf(state, light); };
-    const Differences found = differencesOf(inOnePiece(state, tile, lit, read),
-                                            inTiles(state, tile, lit, side, read, scheme));
-    std::printf("%-10s %-6s %2d tiles: median %.5f mean %.5f p99 %.4f worst %.2f degrees\n", name,
-                toString(quality), side * side, found.median, found.mean, found.p99, found.worst);
+    const std::clock_t start = std::clock();
+    const std::vector<float> whole = inOnePiece(state, tile, lit, read);
+    const std::clock_t middle = std::clock();
+    const std::vector<float> tiles = inTiles(state, tile, lit, side, read, scheme);
+    const double ratio =
+        static_cast<double>(std::clock() - middle) / static_cast<double>(middle - start);
+    const Differences found = differencesOf(whole, tiles);
+    std::printf("%-10s %-6s %2d tiles: median %.5f mean %.5f p99 %.4f worst %.2f degrees, %.2f of "
+                "the time\n",
+                name, toString(quality), side * side, found.median, found.mean, found.p99,
+                found.worst, ratio);
     return found;
 }
 

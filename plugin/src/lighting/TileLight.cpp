@@ -4,6 +4,7 @@
 #include "core/SettingsTable.h"
 #include "gpu/GlConstants.h"
 #include "lighting/Readback.h"
+#include "lighting/TileWindows.h"
 #include "lighting/methods/Legendre.h"
 #include "lighting/methods/Slices.h"
 #include "lighting/nodes/ComposeNode.h"

@@ -12,7 +12,6 @@
 #include "gpu/WorkGraph.h"
 #include "lighting/TileInputs.h"
 #include "lighting/TileSurface.h"
-#include "lighting/TileWindows.h"
 #include "lighting/methods/Method.h"
 
 #include <osg/Referenced>
@@ -30,6 +29,8 @@
 
 namespace osgTerrainLight
 {
+
+struct TileWindows;
 
 /// One tile's work: heights and light in, shading texture out.
 ///

@@ -3,6 +3,7 @@
 #include "glsl_host.h"
 #include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
+#include "lighting/TileWindows.h"
 
 #include <algorithm>
 #include <cmath>
@@ -151,8 +152,14 @@ void TileSurface::bindFar(GpuPass& pass) const
         const int column = rect.column * step - _windows->place.column;
         const int row = rect.row * step - _windows->place.row;
         const auto i = static_cast<unsigned>(level);
-        posts->setElement(i, column, row, column + (rect.width - 1) * step,
-                          row + (rect.height - 1) * step);
+        const PostRect& extent = _windows->extent;
+        posts->setElement(
+            i, column, row,
+            std::min(column + (rect.width - 1) * step,
+                     std::max(extent.endColumn(), _windows->near.endColumn()) - 1 -
+                         _windows->place.column),
+            std::min(row + (rect.height - 1) * step,
+                     std::max(extent.endRow(), _windows->near.endRow()) - 1 - _windows->place.row));
         texels->setElement(i, place.x, place.y, place.northX, place.northY);
     };
     const int x = _windows->near.column - _windows->place.column + _frame;

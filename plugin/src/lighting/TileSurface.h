@@ -3,7 +3,6 @@
 #include <osgTerrainLight/DemTile.h>
 
 #include "gpu/WorkGraph.h"
-#include "lighting/TileWindows.h"
 
 #include <memory>
 #include <string>
@@ -11,6 +10,8 @@
 
 namespace osgTerrainLight
 {
+
+struct TileWindows;
 
 /// Heights of one tile and of what surrounds it on the GPU, and the distances between its posts.
 ///

@@ -96,6 +96,7 @@ readWindows(TileSource& source, int level, const PostRect& tile, const WindowSch
     auto windows = std::make_shared<TileWindows>();
     const PostRect extent = source.extent(level);
     windows->place = tile;
+    windows->extent = extent;
     windows->lastColumn = std::ldexp(source.width() - 1, -level);
     windows->lastRow = std::ldexp(source.height() - 1, -level);
     // The tile itself, where it reaches beyond what may be valid too.

@@ -36,6 +36,7 @@ struct TileWindows
     DemTile tile;
     PostRect place;             ///< of the tile in the whole terrain, in posts of its level
     double lastColumn, lastRow; ///< of the terrain that is lit as one, from (0, 0), in such posts
+    PostRect extent;            ///< all that may be valid, in such posts
     PostRect near;              ///< the tile and its ring, clipped to what may be valid
     Raster<float> heights;      ///< of `near` [m above the tile's heightOrigin], NaN void
     std::vector<double> eastSpacings; ///< of the rows of `near` [m]

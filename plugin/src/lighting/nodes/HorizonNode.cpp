@@ -2,6 +2,7 @@
 
 #include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
+#include "lighting/TileWindows.h"
 #include "lighting/nodes/GridDirection.h"
 
 #include <algorithm>
