@@ -8,6 +8,7 @@
 #include <cpl_vsi.h>
 #include <sys/resource.h>
 
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -329,4 +330,23 @@ TEST(LevelCache, CancelledPassLeavesNothing)
         EXPECT_NE(source.error().message.find("cancelled"), std::string::npos);
         EXPECT_EQ(files(), std::set<std::string>{"a.tif"});
     }
+}
+
+// What a killed program left is removed when nobody has written to it for long, and only then.
+TEST(LevelCache, RemovesWhatAKilledProgramLeft)
+{
+    const std::string path = onDisk(ramp(80, 60, 0), "a.tif");
+    const auto leave = [](const std::string& folder, const std::string& file, int hours)
+    {
+        fs::create_directory(testFolder() / folder);
+        std::ofstream(testFolder() / folder / file) << "half of it";
+        fs::last_write_time(testFolder() / folder / file,
+                            fs::file_time_type::clock::now() - std::chrono::hours(hours));
+    };
+    leave(".partial-1-0", "a.tif" + suffix, 2);
+    leave(".partial-2-0", "a.tif" + suffix, 0);
+    leave(".partial-3-0", "other.tif", 2);
+    ASSERT_TRUE(open(path).source);
+    EXPECT_EQ(files(),
+              (std::set<std::string>{"a.tif", "a.tif" + suffix, ".partial-2-0", ".partial-3-0"}));
 }

@@ -250,6 +250,52 @@ TEST(RasterSource, VoidsAcrossStripsAndTiles)
     }
 }
 
+// Beyond the window heights are multiplied by the factor of its nearest post, as the raster's own
+// values show: factor = height of the tile / (value - origin).
+TEST(RasterSource, ScaleOfTheMapIsThatOfTheWindowsEdgeBeyondIt)
+{
+    MemoryRaster raster = hilly(40, 30);
+    raster.crs = "EPSG:3857";
+    raster.transform = {1000000, 20000, 0, 8000000, 0, -20000};
+    const auto valueAt = [&raster](int column, int row) // of the window's columns and rows
+    { return raster.values[static_cast<std::size_t>((19 - row) * 40 + column + 10)]; };
+    RasterSourceOptions options;
+    options.read.window = PixelWindow{10, 10, 20, 10};
+    options.reach = 1.0e7;
+    const auto source = RasterSource::open(raster.write(), options);
+    ASSERT_TRUE(source) << source.error().message;
+    const auto factorAt = [&](int column, int row)
+    {
+        const auto height = (*source)->readPosts({column, row, 1, 1});
+        return static_cast<double>(height->at(0, 0)) /
+               (valueAt(column, row) - (*source)->heightOrigin());
+    };
+    const double atCorner = factorAt(19, 9);
+    EXPECT_GT(std::abs(atCorner - factorAt(0, 0)), 0.01);
+    EXPECT_NEAR(factorAt(25, 9), atCorner, 1.0e-6);
+    EXPECT_NEAR(factorAt(19, 15), atCorner, 1.0e-6);
+    EXPECT_NEAR(factorAt(28, 18), atCorner, 1.0e-6);
+}
+
+// A lone -9999 is a void; beside -9500, which lies outside the window, it is a height.
+TEST(RasterSource, WholeRasterDecidesOnVoidsByCustom)
+{
+    MemoryRaster raster = hilly(40, 30);
+    raster.values[15 * 40 + 20] = -9999;
+    raster.values[0] = -9500;
+    RasterSourceOptions options;
+    options.read.window = PixelWindow{10, 10, 20, 10};
+    const PostRect post{10, 4, 1, 1}; // file row 15 is row 4 of rows 10 ... 19 from the south
+    const auto source = RasterSource::open(raster.write(), options);
+    ASSERT_TRUE(source);
+    EXPECT_EQ((*source)->heightOrigin() + static_cast<double>((*source)->readPosts(post)->at(0, 0)),
+              -9999.0);
+    options.beyondWindow = false;
+    const auto alone = RasterSource::open(raster.write(), options);
+    ASSERT_TRUE(alone);
+    EXPECT_TRUE(std::isnan((*alone)->readPosts(post)->at(0, 0)));
+}
+
 // The definition of levels bounds their sizes: 16 posts a side of the raster's own.
 TEST(RasterSource, CoarsestLevelHasFewPosts)
 {

@@ -368,8 +368,64 @@ TEST(Surroundings, MapsThatDoNotGoTogether)
     EXPECT_TRUE(says(*both, "map coordinates are taken as those of"));
     EXPECT_EQ(heightAt(*both, 0, -10, 5), 100.0);
 
+    RasterSourceOptions cells = options;
+    cells.read.cellSize = 10.0;
+    bare.transform.clear();
+    const auto nowhere = RasterSource::open(bare.write(), cells);
+    ASSERT_FALSE(nowhere);
+    EXPECT_NE(nowhere.error().message.find("has no geotransform"), std::string::npos);
+
     options.surroundings = {"no_such.tif"};
     EXPECT_EQ(RasterSource::open(placed, options).error().code, ErrorCode::NotFound);
+}
+
+// A block that cannot be read, of rows 32 ... 47, is an error of the raster that has it.
+TEST(Surroundings, UnreadableBlockNamesItsRaster)
+{
+    MemoryRaster wide = rasterOf(utm, litWest - 2000, litNorth + 2000, 40, 100, 100,
+                                 [](double x, double) { return x - litWest + 3000.0; });
+    wide.creation = {"COMPRESS=DEFLATE", "BLOCKYSIZE=16"};
+    const std::string far = wide.write();
+    std::string place;
+    {
+        const GDALDatasetUniquePtr dataset(GDALDataset::Open(far.c_str(), GDAL_OF_RASTER));
+        place = dataset->GetRasterBand(1)->GetMetadataItem("BLOCK_OFFSET_0_2", "TIFF");
+    }
+    VSILFILE* file = VSIFOpenL(far.c_str(), "rb+");
+    VSIFSeekL(file, std::stoull(place), SEEK_SET);
+    const std::string spoilt(60, '\xff');
+    EXPECT_EQ(VSIFWriteL(spoilt.data(), 1, spoilt.size(), file), spoilt.size());
+    VSIFCloseL(file);
+    RasterSourceOptions options;
+    options.surroundings = {far};
+    const auto source = RasterSource::open(lit().write(), options);
+    ASSERT_FALSE(source);
+    EXPECT_NE(source.error().message.find(far + ": cannot read rows 32 to 47"), std::string::npos)
+        << source.error().message;
+}
+
+// Voids of surroundings stay void, by nodata value and by custom alike.
+TEST(Surroundings, VoidsOfSurroundings)
+{
+    MemoryRaster far = rasterOf(utm, litWest - 2000, litNorth + 2000, 40, 100, 100,
+                                [](double x, double)
+                                {
+                                    const double east = x - litWest;
+                                    return east > 1000.0 ? -32768.0 : east < -1000.0 ? 7.0 : 150.0;
+                                });
+    far.noData = 7;
+    const auto source = open(lit().write(), {far.write()});
+    ASSERT_TRUE(source);
+    EXPECT_EQ(heightAt(*source, 0, 80, 10), 150.0);
+    EXPECT_TRUE(std::isnan(heightAt(*source, 0, 110, 10)));
+    EXPECT_TRUE(std::isnan(heightAt(*source, 0, -110, 10)));
+    EXPECT_TRUE(says(*source, "of -32768"));
+    for (int level = 1; level <= source->lastLevel(); ++level)
+    {
+        const auto heights = source->readLevel(level, CrestAxis::East, source->extent(level));
+        for (const float height : heights->values())
+            EXPECT_TRUE(std::isnan(height) || std::abs(height) <= 50.0f) << level;
+    }
 }
 
 // Their levels are kept as well, for this raster; no pass is made a second time.

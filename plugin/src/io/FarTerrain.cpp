@@ -92,6 +92,8 @@ Result<std::unique_ptr<FarTerrain>> FarTerrain::open(const std::string& path,
     // A tenth for rounding, and for spacings that differ within the raster.
     made->_base = std::clamp(static_cast<int>(std::log2(made->postDistance() * 1.1)), 0, 24);
     made->findExtent(reach);
+    if (!made->_extent.empty() && made->surroundedPixels().width == 0)
+        made->_extent = {};
     if (made->_extent.empty())
         made->_notes.push_back("has no terrain within " + std::string(CPLSPrintf("%.10g", reach)) +
                                " m of " + near.path() + ": not used");
@@ -200,6 +202,8 @@ PixelWindow FarTerrain::surroundedPixels() const
     const PixelWindow whole{0, 0, _dem.info.rasterWidth, _dem.info.rasterHeight};
     const PixelWindow found = pixelsAround(rows, whole);
     PostRect pixels{found.column, found.row, found.width, found.height};
+    if (pixels.empty())
+        return {};
     pixels = pixels.grownBy(2).clippedTo({0, 0, whole.width, whole.height});
     return {pixels.column, pixels.row, pixels.width, pixels.height};
 }

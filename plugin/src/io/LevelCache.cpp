@@ -7,6 +7,7 @@
 #include <cpl_string.h>
 #include <cpl_vsi.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
@@ -60,12 +61,32 @@ std::string userFolder()
     return {};
 }
 
+/// Removes what a program that was killed left of this file: one that nobody has written to for an
+/// hour.
+void removeAbandoned(const std::string& place)
+{
+    const fs::path file(place);
+    std::error_code failure;
+    std::vector<fs::path> found;
+    for (fs::directory_iterator at(file.parent_path(), failure), end; !failure && at != end;
+         at.increment(failure))
+        if (PendingFile::isFolderOfOne(at->path().filename().string()))
+            found.push_back(at->path());
+    for (const fs::path& folder : found)
+    {
+        const auto time = fs::last_write_time(folder / file.filename(), failure);
+        if (!failure && fs::file_time_type::clock::now() - time > std::chrono::hours(1))
+            fs::remove_all(folder, failure);
+    }
+}
+
 /// Of a file that this place cannot have; nothing where it was made. The error of build() goes to
 /// `failed`.
 std::optional<std::string> make(const std::string& place, const std::string& stamp,
                                 const std::vector<LevelPlane>& planes, const BuildLevels& build,
                                 std::optional<Error>& failed)
 {
+    removeAbandoned(place);
     PendingFile pending(place);
     if (const Status status = pending.create(true); !status)
         return status.error().message;
