@@ -302,6 +302,40 @@ TEST(Surroundings, WholeBodyAcrossTheAntimeridian)
     EXPECT_GE(source->extent(0).endColumn(), 36);
 }
 
+// A raster of the whole body, of 1 degree, around a map, and around a pole, where all of its
+// columns meet: its heights are 10 m per degree of latitude. Posts that are sampled lie less than 1
+// degree apart; between them the circle of latitude bends by 0.2 degrees at most (1 degree squared
+// over 8 times 0.6 degrees, the nearest to the pole that is asked for), 2 m.
+TEST(Surroundings, WholeBodyAroundMaps)
+{
+    const std::string globe =
+        rasterOf("EPSG:4326", -180, 90, 1, 360, 180, [](double, double y) { return 10.0 * y; })
+            .write();
+    const auto expectLatitudes = [&globe](const std::string& crs, double x, double y)
+    {
+        const std::string path =
+            rasterOf(crs, x, y, 100, 10, 10, [](double, double) { return 0.0; }).write();
+        const auto source = open(path, {globe}, 420.0e3);
+        ASSERT_TRUE(source);
+        // A post of a polar map is 103 m or less on the ground.
+        EXPECT_LE(source->extent(0).column, -4000);
+        EXPECT_GE(source->extent(0).endRow(), 4000);
+        const Way toDegrees(crs, "EPSG:4326");
+        for (int row = -3900; row <= 3900; row += 780)
+            for (int column = -3900; column <= 3900; column += 780)
+            {
+                const Point at = toDegrees(placeOf(*source, 0, column, row));
+                if (at.y > 89.4 || (column == 0 && row == 0))
+                    continue;
+                EXPECT_NEAR(heightAt(*source, 0, column, row), 10.0 * at.y, 2.0)
+                    << crs << " " << column << ", " << row;
+            }
+    };
+    expectLatitudes(utm, litWest, litNorth);
+    expectLatitudes("EPSG:3413", 0.0, 0.0);
+    expectLatitudes("EPSG:3413", 20000.0, -90000.0);
+}
+
 // A raster that is finer than what is lit is sampled at its posts.
 TEST(Surroundings, FinerThanWhatIsLit)
 {

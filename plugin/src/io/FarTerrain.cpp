@@ -100,22 +100,30 @@ Result<std::unique_ptr<FarTerrain>> FarTerrain::open(const std::string& path,
     return made;
 }
 
-/// Of its own, in posts of the raster that is lit, ≥ 1.
+/// Of its own, where the middle of what is lit lies, in posts of that, ≥ 1.
 double FarTerrain::postDistance() const
 {
-    const PixelWindow& lit = _near->info().window;
-    const double column = 0.5 * (lit.width - 1);
-    const double row = 0.5 * (lit.height - 1);
+    const DemInfo& near = _near->info();
+    const double column = 0.5 * (near.window.width - 1);
+    const double row = 0.5 * (near.window.height - 1);
+    const double nearSpacing = std::max(near.eastSpacing, near.northSpacing);
     const PostsToPixels::Places here = _toPixels->row(column, 1.0, 2, row);
-    const PostsToPixels::Places north = _toPixels->row(column, 1.0, 1, row + 1.0);
-    const double alongEast = std::hypot(here.x[1] - here.x[0], here.y[1] - here.y[0]);
-    const double alongNorth = std::hypot(north.x[0] - here.x[0], north.y[0] - here.y[0]);
-    const double posts = 1.0 / std::max(alongEast, alongNorth);
+    if (_dem.info.geographic && !std::isnan(here.y[0]))
+    {
+        // Meridians meet at a pole, where columns do not tell more than rows do.
+        const DegreeRows degrees(*_dem.dataset->GetSpatialRef(), _dem.info.frame);
+        const RasterFrame& frame = _dem.info.frame;
+        const double at = frame.northUp ? frame.height - 1 - here.y[0] : here.y[0];
+        const double north = degrees.north(at);
+        return std::max(1.0, std::clamp(degrees.east(at), 0.25 * north, north) / nearSpacing);
+    }
+    const PostsToPixels::Places there = _toPixels->row(column, 1.0, 1, row + 1.0);
+    const double posts = 1.0 / std::max(std::hypot(here.x[1] - here.x[0], here.y[1] - here.y[0]),
+                                        std::hypot(there.x[0] - here.x[0], there.y[0] - here.y[0]));
     if (std::isfinite(posts))
         return std::max(1.0, posts);
-    // The map does not show the middle: by lengths.
-    return std::max(1.0, std::min(_dem.info.eastSpacing, _dem.info.northSpacing) /
-                             std::max(_near->info().eastSpacing, _near->info().northSpacing));
+    // The map does not show that place: by its own middle.
+    return std::max(1.0, std::min(_dem.info.eastSpacing, _dem.info.northSpacing) / nearSpacing);
 }
 
 void FarTerrain::findExtent(double reach)
