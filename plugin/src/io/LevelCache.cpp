@@ -68,8 +68,8 @@ void removeAbandoned(const std::string& place)
     const fs::path file(place);
     std::error_code failure;
     std::vector<fs::path> found;
-    for (fs::directory_iterator at(file.parent_path(), failure), end; !failure && at != end;
-         at.increment(failure))
+    for (fs::directory_iterator at(fs::absolute(file).parent_path(), failure), end;
+         !failure && at != end; at.increment(failure))
         if (PendingFile::isFolderOfOne(at->path().filename().string()))
             found.push_back(at->path());
     for (const fs::path& folder : found)
