@@ -19,6 +19,7 @@ namespace osgTerrainLight
 namespace
 {
 namespace fs = std::filesystem;
+const std::string prefix = ".partial-";
 
 std::string systemsReason(int number)
 {
@@ -88,8 +89,8 @@ Status PendingFile::create(bool overwrite)
     _parent = fs::path(_place).parent_path().string();
     _name = fs::path(_place).filename().string();
     // Not by the target's name, which may be as long as names can be.
-    const std::string folder = beside(".partial-" + std::to_string(CPLGetCurrentProcessID()) + "-" +
-                                      std::to_string(counter++));
+    const std::string folder =
+        beside(prefix + std::to_string(CPLGetCurrentProcessID()) + "-" + std::to_string(counter++));
     errno = 0;
     if (_name.empty() || VSIMkdir(folder.c_str(), 0700) != 0)
         return refused("cannot write into " + (_parent.empty() ? "this folder" : _parent) +
@@ -114,6 +115,11 @@ std::string PendingFile::reason(const std::string& said, double bytes,
         isOnDisk ? complaintOfSystem(suffix.empty() ? inside(".room") : path() + suffix, bytes)
                  : "";
     return system.empty() ? plain : plain.empty() ? system : system + " (" + plain + ")";
+}
+
+bool PendingFile::isFolderOfOne(const std::string& name)
+{
+    return name.compare(0, prefix.size(), prefix) == 0;
 }
 
 Status PendingFile::commit()

@@ -26,6 +26,10 @@ public:
     /// target and the system's reason. overwrite: whether it may exist already.
     Status create(bool overwrite);
 
+    /// Whether a name is that of such a folder, of any target. One is left by a program that was
+    /// killed.
+    static bool isFolderOfOne(const std::string& name);
+
     std::string path() const { return inside(_name); }
     std::string inside(const std::string& name) const { return _folder + "/" + name; }
 
