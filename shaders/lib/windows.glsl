@@ -10,6 +10,14 @@ struct Window
     int step;    // from post to post, a power of two
 };
 
+// Whether a window has a post of that column and row of its own.
+bool hasPost(Window window, ivec2 post)
+{
+    ivec2 count = window.last - window.first + ivec2(window.step - 1, window.step - 1);
+    return post.x >= 0 && post.y >= 0 && post.x <= count.x / window.step &&
+           post.y <= count.y / window.step;
+}
+
 // Steps that a ray makes from a place until it leaves a window; below 0 where it is outside.
 real exitOf(Window window, vec2 place, GridRay ray)
 {
@@ -38,23 +46,44 @@ real columnFrom(Window window, ivec2 post, GridRay ray, real away)
     return ceil(column - real(0.01)) * step - real(from * look);
 }
 
-// Height where a ray from a post crosses the column of a window `away` steps from it: void where it
-// is outside.
-Length columnHeight(HeightMap heights, Window window, ivec2 post, GridRay ray, real away)
+// Columns of a window that a line crosses, from one so many steps away to another, nearer one.
+struct Columns
 {
-    ivec2 from = post - window.first;
-    int look = ray.major.x + ray.major.y;
+    int count;
+    real farthest; // steps
+};
+
+// Those at more than `inner` and at most `outer` >= inner >= 0 steps from a place of the line, whose
+// major coordinate is whole.
+Columns columnsBetween(Window window, vec2 place, GridRay ray, real inner, real outer)
+{
+    GLSL_ASSERT(inner >= real(0.0));
+    real look = real(ray.major.x + ray.major.y);
+    real step = real(window.step);
+    real from = look * (ray.major.x != 0 ? place.x - real(window.first.x)
+                                         : place.y - real(window.first.y));
+    real last = floor((from + outer) / step);
+    Columns columns;
+    columns.count = max(int(last) - int(floor((from + inner) / step)), 0);
+    columns.farthest = last * step - from;
+    return columns;
+}
+
+// Height where a ray crosses the column of a window `away` steps from a place, whose major
+// coordinate is whole: void where it is outside.
+Length columnHeight(HeightMap heights, Window window, vec2 place, GridRay ray, real away)
+{
+    vec2 from = place - vec2(real(window.first.x), real(window.first.y));
+    real look = real(ray.major.x + ray.major.y);
     bool east = ray.major.x != 0;
     real step = real(window.step);
-    int column = int(floor(real(east ? from.x : from.y) / step + real(look) * away / step + real(0.5)));
-    real across = (real(east ? from.y : from.x) + ray.drift * away) / step;
+    int column = int(floor(((east ? from.x : from.y) + look * away) / step + real(0.5)));
+    real across = ((east ? from.y : from.x) + ray.drift * away) / step;
     int whole = int(floor(across));
-    ivec2 place = east ? ivec2(column, whole) : ivec2(whole, column);
-    ivec2 count = (window.last - window.first + ivec2(window.step - 1, window.step - 1)) / window.step;
-    bool inside = place.x >= 0 && place.y >= 0 && place.x <= count.x && place.y <= count.y;
-    ivec2 texel = window.texel + place;
-    if (!inside)
+    ivec2 post = east ? ivec2(column, whole) : ivec2(whole, column);
+    if (!hasPost(window, post))
         return VOID_HEIGHT;
+    ivec2 texel = window.texel + post;
     return crossingHeight(postHeight(heights, texel), postHeight(heights, texel + ray.minor),
                           across - real(whole));
 }
@@ -66,13 +95,14 @@ Slope slopeInWindow(HeightMap heights, Window window, ivec2 post, Length here, G
                     real away)
 {
     GLSL_ASSERT(away > real(0.0));
-    Length rise = columnHeight(heights, window, post, ray, away) - here;
+    vec2 at = vec2(real(post.x), real(post.y));
+    Length rise = columnHeight(heights, window, at, ray, away) - here;
     Slope slope = isVoid(rise) ? NO_HORIZON : rise / away;
 
     bool east = ray.major.x != 0;
     int look = ray.major.x + ray.major.y;
-    real step = real(window.step);
     ivec2 from = post - window.first;
+    real step = real(window.step);
     real across = (real(east ? from.y : from.x) + ray.drift * away) / step;
     real before = across - ray.drift;
     real row = floor(max(across, before));
@@ -81,12 +111,11 @@ Slope slopeInWindow(HeightMap heights, Window window, ivec2 post, Length here, G
         return slope;
     // The row's posts are one of each column's.
     real share = (row - before) / ray.drift;
-    int column = int(floor(real(east ? from.x : from.y) / step + real(look) * away / step + real(0.5)));
-    ivec2 place = east ? ivec2(column, int(row)) : ivec2(int(row), column);
-    ivec2 count = (window.last - window.first + ivec2(window.step - 1, window.step - 1)) / window.step;
-    bool inside = place.x >= 0 && place.y >= 0 && place.x <= count.x && place.y <= count.y;
-    ivec2 texel = window.texel + place;
-    rise = inside ? crossingHeight(postHeight(heights, texel - ray.major),
+    real column = (real(east ? from.x : from.y) + real(look) * away) / step;
+    int along = int(floor(column + real(0.5)));
+    ivec2 corner = east ? ivec2(along, int(row)) : ivec2(int(row), along);
+    ivec2 texel = window.texel + corner;
+    rise = hasPost(window, corner) ? crossingHeight(postHeight(heights, texel - ray.major),
                                    postHeight(heights, texel), share) -
                         here
                   : VOID_HEIGHT;

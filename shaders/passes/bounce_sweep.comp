@@ -6,6 +6,8 @@
 // Which entries a history has depends on the steps that a group has walked, and on nothing else, so
 // that its lines run alike: what is void, or not the tile's, enters as a piece without ground. All
 // reads of the history have constant indices: a processor that runs lanes in step would gather.
+//
+// FAR_LEVELS: a line begins in the windows around the tile, with the light that their ground sends.
 layout(local_size_x = 32) in;
 
 // R32F [m], framed by `frame` void posts, row 0 south
@@ -381,6 +383,85 @@ void serve(Line line, int walked)
     imageStore(sums, post, sum + vec4(receive(line, post, walked), 0.0));
 }
 
+#if defined(FAR_LEVELS) && FAR_LEVELS > 0
+uniform sampler2D farLight; // radiance that the ground of the coarser levels sends
+// Columns of a window that are joined before they enter the history, 2^3.
+const int SEED_OCTAVES = 3;
+
+vec3 farSent(int level, vec2 place)
+{
+    Window window = windowOf(level, false);
+    vec2 posts = (place - vec2(window.first)) / float(window.step);
+    posts = clamp(posts, vec2(0.0), vec2((window.last - window.first) / window.step));
+    vec2 texel = vec2(window.texel) + posts + 0.5;
+    return textureLod(farLight, texel / vec2(textureSize(farLight, 0)), 0.0).rgb;
+}
+
+// Into a level from 2 on; what leaves it moves up.
+void insert(int into, Passed piece, Length stepLength)
+{
+    leaves = false;
+#define INSERT(level)                                                                              \
+    {                                                                                              \
+        bool here = level == into;                                                                 \
+        Passed enters = joined;                                                                    \
+        if (here)                                                                                  \
+            enters = piece;                                                                        \
+        here = here || leaves;                                                                     \
+        makeRoom(level, here, stepLength);                                                         \
+        enter(level, enters, here);                                                                \
+    }
+    FROM_LEVEL_2(INSERT)
+    leaves = false;
+}
+
+// What the line has passed before it comes to the tile.
+void passFar(Line line, Length stepLength)
+{
+    int major = majorAt(line, line.first);
+    vec2 place = vec2(major, float(line.number) - line.shift + line.drift * float(major));
+    place = line.north ? place.yx : place;
+    Length height = VOID_HEIGHT; // where the last piece ended
+    float from = 0.0;
+    vec3 sent = vec3(0.0);
+    for (int level = FAR_LEVELS; level >= 1; --level)
+    {
+        Window window = windowOf(level, line.north);
+        Window finer = windowOf(level - 1, line.north);
+        if (level == 1) // light of its own has the tile only, not its ring
+        {
+            finer.first = ivec2(0);
+            finer.last = size - 1;
+        }
+        float inner = max(exitOf(finer, place, line.ray), 0.0);
+        Columns columns =
+            columnsBetween(window, place, line.ray, inner, exitOf(window, place, line.ray));
+        Passed joinedPiece = passedNothing();
+        for (int i = 0; i < columns.count; ++i)
+        {
+            float away = columns.farthest - float(i * window.step);
+            Length now = farHeight(level, place, line.ray, away);
+            vec3 sentNow = farSent(level, place + line.ray.step * away);
+            Passed piece = passedNothing();
+            if (!isVoid(height) && !isVoid(now))
+                piece = passedStep(height, float(line.first) - from, height - now,
+                                   0.5 * (sent + sentNow), sent - sentNow,
+                                   stepLength * (from - away));
+            bool first = i % (1 << SEED_OCTAVES) == 0;
+            Passed both = joinPassed(joinedPiece, piece, stepLength);
+            joinedPiece = both;
+            if (first)
+                joinedPiece = piece;
+            height = now;
+            from = away;
+            sent = sentNow;
+            if (i == columns.count - 1 || (i + 1) % (1 << SEED_OCTAVES) == 0)
+                insert(min(level + SEED_OCTAVES, LEVELS - 1), joinedPiece, stepLength);
+        }
+    }
+}
+#endif
+
 void main()
 {
     Line line = lineOf(int(gl_GlobalInvocationID.x));
@@ -390,6 +471,11 @@ void main()
     Line other = lineOf(int((gl_WorkGroupID.x + 1u) * gl_WorkGroupSize.x) - 1);
     int begin = min(one.first, other.first);
     int end = max(one.last, other.last);
+#ifdef FAR_LEVELS
+    // Each begins with what it has passed, at the end of which the tile is.
+    begin = line.first;
+    end = line.last;
+#endif
     Length stepLength = imageLoad(stepLengths, ivec2(azimuth, size.y / 2)).x;
 
 #define CLEAR_LEVEL(level) clearLevel(level);
@@ -397,6 +483,10 @@ void main()
     CLEAR_LEVEL(1)
     FROM_LEVEL_2(CLEAR_LEVEL)
     counts[0] = ENTRIES; // of nothing, so that level 1 is full only where a block begins
+#if defined(FAR_LEVELS) && FAR_LEVELS > 0
+    if (begin <= end)
+        passFar(line, stepLength);
+#endif
     Place before = nowhere();
     for (int block = begin; block <= end; block += BLOCK)
     {

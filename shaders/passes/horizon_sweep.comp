@@ -33,26 +33,6 @@ layout(std140, binding = 0) uniform Rays
     vec4 directions[256];
 };
 
-#ifdef FAR_LEVELS
-// By level, the tile's own first: posts of the tile where the window's first and last post stand,
-// and texels of the first, for rays along the axes east and north.
-uniform ivec4 windowPosts[FAR_LEVELS + 1];
-uniform ivec4 windowTexels[FAR_LEVELS + 1];
-#if FAR_LEVELS > 0
-layout(r32f) readonly uniform image2D farHeights; // R32F [m]
-#endif
-
-Window windowOf(int level, bool north)
-{
-    Window window;
-    window.first = windowPosts[level].xy;
-    window.last = windowPosts[level].zw;
-    window.texel = north ? windowTexels[level].zw : windowTexels[level].xy;
-    window.step = 1 << level;
-    return window;
-}
-#endif
-
 // A hull that may need more vertices than there is room for loses every second of them, the newest
 // excepted. Between two kept vertices the hull then runs below the lost one, by no more than the
 // lost vertex stood above their chord. `dropped` counts them.
@@ -205,26 +185,16 @@ void pushFar(Line line)
     {
         Window window = windowOf(level, line.north);
         float inner = max(exitOf(windowOf(level - 1, line.north), place, ray), 0.0);
-        float outer = exitOf(window, place, ray);
-        // Columns are at multiples of the step from the window's first post.
-        float step = float(window.step);
-        float from = float(line.look * (line.first - (line.north ? window.first.y : window.first.x)));
-        int column = int(floor((from + outer) / step));
-        int count = column - int(floor((from + inner) / step));
-        for (int chunk = 0; chunk < count; chunk += CHUNK)
+        Columns columns =
+            columnsBetween(window, place, ray, inner, exitOf(window, place, ray));
+        for (int chunk = 0; chunk < columns.count; chunk += CHUNK)
         {
             if (vertices > HULL_CAPACITY - CHUNK)
                 thinHull();
-            for (int i = chunk; i < min(chunk + CHUNK, count); ++i)
+            for (int i = chunk; i < min(chunk + CHUNK, columns.count); ++i)
             {
-                float away = float(column - i) * step - from;
-                vec2 there = (place + ray.step * away - vec2(window.first)) / step;
-                float minor = line.north ? there.x : there.y;
-                int whole = int(floor(minor));
-                ivec2 texel = window.texel + postAt(line, whole, line.look * (column - i));
-                float a = postHeight(farHeights, texel);
-                float b = postHeight(farHeights, texel + across(line));
-                pushVertex(vec2(crossingHeight(a, b, minor - float(whole)), -away));
+                float away = columns.farthest - float(i * window.step);
+                pushVertex(vec2(farHeight(level, place, ray, away), -away));
             }
         }
     }

@@ -1,5 +1,6 @@
 // The height of the sun's shadow along lines towards it: one invocation walks one line, away from
-// the sun. A shadow sinks with every step, and a crest above it begins another.
+// the sun. A shadow sinks with every step, and a crest above it begins another. FAR_LEVELS: crests
+// around the tile, too.
 layout(local_size_x = 32) in;
 
 // R32F [m], framed by `frame` void posts, row 0 south
@@ -15,6 +16,47 @@ uniform float northSpacing; // [m]
 uniform vec4 direction;     // towards the sun, as in horizon_sweep.comp
 uniform float sunSlope;
 
+#ifdef FAR_LEVELS
+// After so many steps of that length.
+Shadow sunk(Shadow shadow, float steps, float stepLength)
+{
+    shadow.height -= steps * stepLength * sunSlope;
+    shadow.distance += steps * stepLength;
+    return shadow;
+}
+
+// Of what a line comes through before a place at the tile's edge, at it.
+Shadow shadowAround(vec2 place, GridRay ray, float stepLength)
+{
+    bool north = ray.major.y != 0;
+    Shadow shadow = noShadow();
+    float at = 0.0; // steps from the place where the shadow is
+    for (int level = FAR_LEVELS; level >= 0; --level)
+    {
+        Window window = windowOf(level, north);
+        float inner =
+            level == 0 ? 0.0 : max(exitOf(windowOf(level - 1, north), place, ray), 0.0);
+        Columns columns =
+            columnsBetween(window, place, ray, inner, exitOf(window, place, ray));
+        for (int i = 0; i < columns.count; ++i)
+        {
+            float away = columns.farthest - float(i * window.step);
+            shadow = sunk(shadow, at - away, stepLength);
+            at = away;
+            Length crest = VOID_HEIGHT;
+            if (level == 0)
+                crest = columnHeight(heights, window, place, ray, away);
+#if FAR_LEVELS > 0
+            else
+                crest = farHeight(level, place, ray, away);
+#endif
+            shadow = addCrest(shadow, crest, 0.0, sunSlope);
+        }
+    }
+    return sunk(shadow, at, stepLength);
+}
+#endif
+
 void main()
 {
     bool north = direction.z != 0.0;
@@ -24,6 +66,7 @@ void main()
     float shift = max(direction.x, 0.0) * float(extent.x - 1);
     int number = int(gl_GlobalInvocationID.x);
     Shadow shadow = noShadow();
+    bool begins = true;
     for (int walked = 0; walked < extent.x; ++walked)
     {
         int major = look > 0 ? extent.x - 1 - walked : walked;
@@ -40,6 +83,17 @@ void main()
         Length east = texelFetch(eastSpacings, ivec2(0, post.y), 0).x;
         float stepLength = north ? length(vec2(direction.x * east, northSpacing))
                                  : length(vec2(east, direction.x * northSpacing));
+#ifdef FAR_LEVELS
+        if (begins)
+        {
+            vec2 place = vec2(major, float(number) + base);
+            // One step on, from which it sinks below.
+            shadow = sunk(shadowAround(north ? place.yx : place,
+                                       gridRay(direction.x, look, north), stepLength),
+                          -1.0, stepLength);
+        }
+        begins = false;
+#endif
         shadow.height -= stepLength * sunSlope;
         shadow.distance += stepLength;
         shadow = addCrest(shadow, crest, 0.0, sunSlope);

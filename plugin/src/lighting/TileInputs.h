@@ -42,6 +42,10 @@ struct TileValues
     std::shared_ptr<const Raster<std::array<float, 2>>> gloss;
     bool hasGloss = false; ///< some post's is not 0
     std::vector<ProbePlace> probes;
+    /// What the ground of the coarser levels around the tile sends, radiance: by bounce that it is
+    /// sent to, from the first, and by level, as TileSurface::createFarLight() wants it. Null:
+    /// none.
+    std::shared_ptr<const std::vector<std::vector<Raster<Rgb>>>> farLight;
     osg::ref_ptr<osg::Texture2D> posts; ///< where heights come from; null: the tile's, for good
     bool ownsPosts = false;             ///< posts are not the host's texture
 

@@ -126,6 +126,14 @@ void TileLight::setGloss(Raster<std::array<float, 2>> gloss)
     _latest.hasGloss = hasGloss;
 }
 
+void TileLight::setFarLight(std::shared_ptr<const std::vector<std::vector<Raster<Rgb>>>> light)
+{
+    assert(_windows);
+    Lock lock(_mutex);
+    _changes.farLight = true;
+    _latest.farLight = std::move(light);
+}
+
 bool TileLight::setProbes(std::vector<ProbePlace> probes)
 {
     Lock lock(_mutex);
@@ -196,7 +204,7 @@ Status TileLight::apply()
     else
         _method->follow(stale);
     const bool isOther =
-        isNew || meets(stale, Invalidation::Transport) ||
+        isNew || before.farLight != _inputs->farLight || meets(stale, Invalidation::Transport) ||
         (_inputs->isGlossy() && meets(stale, Invalidation::GlossTransfer)) ||
         transportKey(before, width(), height()) != transportKey(*_inputs, width(), height());
     if (isOther)

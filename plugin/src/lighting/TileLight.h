@@ -78,6 +78,10 @@ public:
     /// theirs again.
     void setGloss(Raster<std::array<float, 2>> gloss);
 
+    /// What the ground of the windows' coarser levels sends, radiance, for bounces: by bounce that
+    /// it is sent to, from the first, and by level, each of FarLevel::posts. Null: nothing.
+    void setFarLight(std::shared_ptr<const std::vector<std::vector<Raster<Rgb>>>> light);
+
     /// Places where light from all around is computed. Each has maps of its own. Whether that is a
     /// change.
     bool setProbes(std::vector<ProbePlace> probes);
@@ -154,10 +158,11 @@ private:
     struct Changes
     {
         bool settings = false, sky = false, albedo = false, gloss = false, probes = false,
-             posts = false, touched = false, recompute = false;
+             posts = false, touched = false, recompute = false, farLight = false;
         bool any() const
         {
-            return settings || sky || albedo || gloss || probes || posts || touched || recompute;
+            return settings || sky || albedo || gloss || probes || posts || touched || recompute ||
+                   farLight;
         }
     };
 

@@ -6,6 +6,7 @@
 #include "lighting/TileWindows.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace osgTerrainLight
@@ -44,9 +45,9 @@ TileSurface::TileSurface(std::shared_ptr<const TileWindows> windows, int frame, 
 {
     _heights->make();
     _eastSpacings->make();
-    if (farLevels() == 0)
-        return;
     layOut();
+    if (_places.empty())
+        return;
     _far = own(new Resource("far heights", [this] { return createFar(); }));
     _far->make();
 }
@@ -129,6 +130,32 @@ osg::ref_ptr<osg::Texture> TileSurface::createFar() const
             }
     }
     return createFloatTexture(texels);
+}
+
+osg::ref_ptr<Resource> TileSurface::createFarLight(std::vector<Raster<Rgb>> levels) const
+{
+    assert(levels.size() == _places.size());
+    const auto shared = std::make_shared<const std::vector<Raster<Rgb>>>(std::move(levels));
+    return new Resource("far light",
+                        [places = _places, shared, width = _farWidth,
+                         height = _farHeight]() -> osg::ref_ptr<osg::Texture>
+                        {
+                            Raster<Rgb> texels(width / 2 + 1, height);
+                            for (std::size_t l = 0; l < places.size(); ++l)
+                                for (int row = 0; row < (*shared)[l].height(); ++row)
+                                    for (int column = 0; column < (*shared)[l].width(); ++column)
+                                        texels.at(places[l].x + column, places[l].y + row) =
+                                            (*shared)[l].at(column, row);
+                            return createColourTexture(texels);
+                        });
+}
+
+int TileSurface::reach() const
+{
+    if (_places.empty())
+        return std::max(width(), height());
+    const FarLevel& last = _windows->levels.back();
+    return std::max(last.posts.width, last.posts.height) << last.level;
 }
 
 std::vector<std::string> TileSurface::farDefines() const

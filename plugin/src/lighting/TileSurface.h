@@ -1,7 +1,9 @@
 #pragma once
 
 #include <osgTerrainLight/DemTile.h>
+#include <osgTerrainLight/SkyLight.h>
 
+#include "core/Raster.h"
 #include "gpu/WorkGraph.h"
 
 #include <memory>
@@ -43,11 +45,16 @@ public:
     /// Null where nothing surrounds the tile.
     const TileWindows* windows() const { return _windows.get(); }
     /// Coarser levels around the tile.
-    int farLevels() const { return _windows ? static_cast<int>(_windows->levels.size()) : 0; }
+    int farLevels() const { return static_cast<int>(_places.size()); }
+    /// Posts from one end of the outermost window to the other, along the longer side.
+    int reach() const;
     /// For passes whose lines come from beyond the tile: none where nothing surrounds it.
     std::vector<std::string> farDefines() const;
-    /// Sets what shaders/lib/far.glsl has uniforms for.
+    /// Sets windowPosts, windowTexels and farHeights of shaders/lights/windows.glsl.
     void bindFar(GpuPass& pass) const;
+    /// RGBA16F: what the ground of the coarser levels sends, by level, of FarLevel::posts each;
+    /// where far() has heights for the axis east.
+    osg::ref_ptr<Resource> createFarLight(std::vector<Raster<Rgb>> levels) const;
 
     /// Sets heights, eastSpacings, northSpacing, size and frame, as all passes name them.
     void bind(GpuPass& pass) const;

@@ -105,6 +105,9 @@ osg::ref_ptr<Resource> Slices::declareBounce(WorkGraph::Nodes& nodes)
         new BounceNode(*_surface, isFirst ? _first : _next, _sent, horizon(), _light, light);
     if (isFirst)
         bounce->followsLight(*_inputs, _lights);
+    const auto number = static_cast<std::size_t>(_bounce - 1);
+    if (_inputs->farLight && number < _inputs->farLight->size() && _surface->farLevels() > 0)
+        bounce->addFarLight(_surface->createFarLight((*_inputs->farLight)[number]));
     nodes.emplace_back(bounce);
     _light = _gloss ? declareGlossBounce(nodes, light) : light;
     return _light;

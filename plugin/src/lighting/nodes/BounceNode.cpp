@@ -24,7 +24,7 @@ void BounceNode::followsLight(const TileInputs& inputs, const LightSources& ligh
 
 Status BounceNode::run(osg::State& state)
 {
-    return _sweep->dispatch(state, *_sent, _before, _light);
+    return _sweep->dispatch(state, *_sent, _before, _far, _light);
 }
 
 } // namespace osgTerrainLight

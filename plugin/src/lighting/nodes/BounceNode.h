@@ -19,6 +19,9 @@ public:
     BounceNode(const TileSurface& surface, BounceSweep* sweep, SentNode* sent, Resource* horizon,
                Resource* before, Resource* light);
 
+    /// What comes from beyond the tile (TileSurface::createFarLight()).
+    void addFarLight(Resource* light) { _far = own(light); }
+
     /// For the first bounce: what its receivers' own cells send is found anew from these.
     void followsLight(const TileInputs& inputs, const LightSources& lights);
 
@@ -30,6 +33,7 @@ private:
     osg::ref_ptr<SentNode> _sent;
     BounceSweep* _sweep;
     osg::ref_ptr<Resource> _before, _light;
+    Resource* _far = nullptr;
 };
 
 } // namespace osgTerrainLight

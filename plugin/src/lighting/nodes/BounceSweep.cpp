@@ -14,14 +14,13 @@ constexpr int group = 32; // lines, as bounce_sweep.comp has it
 constexpr int mostLevels = 13;
 } // namespace
 
-SweepScheme SweepScheme::of(HorizonQuality quality, int width, int height)
+SweepScheme SweepScheme::of(HorizonQuality quality, int steps)
 {
     SweepScheme scheme{3, 4, 5};
     if (quality == HorizonQuality::Draft)
         scheme = {2, 2, 5};
     if (quality == HorizonQuality::Best)
         scheme = {4, 8, 5};
-    const int steps = std::max(width, height);
     while (scheme.levels < mostLevels && scheme.entries * ((1 << scheme.levels) - 1) < steps)
         ++scheme.levels;
     return scheme;
@@ -44,7 +43,9 @@ BounceSweep::BounceSweep(const TileInputs& inputs, const TileSurface& surface,
                          const LightSources& lights, Resource* horizon, const SweepScratch& scratch,
                          bool first)
     : _surface(&surface), _lights(first ? lights : LightSources()),
-      _scheme(SweepScheme::of(inputs.settings.quality, surface.width(), surface.height())),
+      _scheme(
+          SweepScheme::of(inputs.settings.quality, std::max(surface.width(), surface.height()))),
+      _farScheme(SweepScheme::of(inputs.settings.quality, surface.reach())),
       _own(own(new GpuPass("bounce_own"))), _sweep(own(new GpuPass("bounce_sweep"))),
       _finish(own(new GpuPass("bounce_finish")))
 {
@@ -72,14 +73,22 @@ BounceSweep::BounceSweep(const TileInputs& inputs, const TileSurface& surface,
 }
 
 Status BounceSweep::dispatch(osg::State& state, const SentNode& sent, Resource* before,
-                             Resource* light)
+                             Resource* far, Resource* light)
 {
     const LightSources varying = varyingInCells(_lights);
     bindLights(*_own, varying);
     _own->reads("faces", sent.faces());
     _own->reads("direct", before);
     Status done = _own->dispatch(state, _surface->groups());
-    bindLights(*_sweep, varying, _scheme.defines());
+    std::vector<std::string> defines = far ? _farScheme.defines() : _scheme.defines();
+    if (far)
+    {
+        for (const std::string& define : _surface->farDefines())
+            defines.push_back(define);
+        _surface->bindFar(*_sweep);
+        _sweep->reads("farLight", far);
+    }
+    bindLights(*_sweep, varying, defines);
     _sweep->reads("faces", sent.faces());
     for (std::size_t k = 0; done && k < _lines.size(); ++k)
     {

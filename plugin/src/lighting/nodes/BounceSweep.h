@@ -21,9 +21,9 @@ struct SweepScheme
 {
     int near;    ///< steps that a post sees on its own ray
     int entries; ///< of a level, even: each doubling of the distance is seen in about as many
-    int levels;  ///< 5 to 13: as many as a line of the tile fills
+    int levels;  ///< 5 to 13: as many as a line of so many steps fills
 
-    static SweepScheme of(HorizonQuality quality, int width, int height);
+    static SweepScheme of(HorizonQuality quality, int steps);
     std::vector<std::string> defines() const;
 };
 
@@ -47,16 +47,18 @@ public:
     BounceSweep(const TileInputs& inputs, const TileSurface& surface, const LightSources& lights,
                 Resource* horizon, const SweepScratch& scratch, bool first);
 
-    /// before: direct light, or the light of the bounce before.
-    Status dispatch(osg::State& state, const SentNode& sent, Resource* before, Resource* light);
+    /// before: direct light, or the light of the bounce before. far: of
+    /// TileSurface::createFarLight(); null where nothing beyond the tile sends light.
+    Status dispatch(osg::State& state, const SentNode& sent, Resource* before, Resource* far,
+                    Resource* light);
 
 private:
     ~BounceSweep() override = default;
 
     osg::ref_ptr<const TileSurface> _surface;
-    LightSources _lights; ///< none where not the first
-    SweepScheme _scheme;
-    std::vector<int> _lines; ///< of every azimuth
+    LightSources _lights;            ///< none where not the first
+    SweepScheme _scheme, _farScheme; ///< of lines of the tile, and of those from beyond it
+    std::vector<int> _lines;         ///< of every azimuth
     GpuPass *_own, *_sweep, *_finish;
 };
 

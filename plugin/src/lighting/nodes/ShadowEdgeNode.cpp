@@ -21,11 +21,13 @@ ShadowEdgeNode::ShadowEdgeNode(const TileInputs& inputs, const TileSurface& surf
       _edge(writes(own(new Resource("edge of the shadow", surface.perPost(GL_RG16F))))),
       _shadows(own(new Resource("shadows along lines",
                                 {surface.width() + 1, surface.height() + 1, 0, GL_RG32F}))),
-      _lines(own(new GpuPass("shadow_lines"))), _posts(own(new GpuPass("shadow_edge")))
+      _lines(own(new GpuPass("shadow_lines", surface.farDefines()))),
+      _posts(own(new GpuPass("shadow_edge")))
 {
     reads(surface.heights());
     for (GpuPass* pass : {_lines, _posts})
         surface.bind(*pass);
+    surface.bindFar(*_lines);
     _lines->writes(0, _shadows);
     _posts->reads("lines", _shadows);
     _posts->writes(0, _edge);

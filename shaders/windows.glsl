@@ -1,0 +1,29 @@
+// The windows around a tile, for passes whose lines come from beyond it. FAR_LEVELS: how many coarser
+// ones there are, 0 too; not defined: nothing surrounds the tile.
+#ifdef FAR_LEVELS
+// By level, the tile's own first: posts of the tile where the window's first and last post stand,
+// and texels of the first, for rays along the axes east and north.
+uniform ivec4 windowPosts[FAR_LEVELS + 1];
+uniform ivec4 windowTexels[FAR_LEVELS + 1];
+#if FAR_LEVELS > 0
+layout(r32f) readonly uniform image2D farHeights; // R32F [m]
+#endif
+
+Window windowOf(int level, bool north)
+{
+    Window window;
+    window.first = windowPosts[level].xy;
+    window.last = windowPosts[level].zw;
+    window.texel = north ? windowTexels[level].zw : windowTexels[level].xy;
+    window.step = 1 << level;
+    return window;
+}
+
+#if FAR_LEVELS > 0
+// Where a line that is at a place of the tile, or at its edge, has come from.
+Length farHeight(int level, vec2 place, GridRay ray, float away)
+{
+    return columnHeight(farHeights, windowOf(level, ray.major.y != 0), place, ray, away);
+}
+#endif
+#endif
