@@ -7,6 +7,7 @@
 
 #include "core/MemorySource.h"
 #include "core/SyntheticTerrain.h"
+#include "lighting/FarLight.h"
 #include "lighting/TileLight.h"
 #include "lighting/TileWindows.h"
 
@@ -92,6 +93,13 @@ std::vector<float> inTiles(osg::State& state, const DemTile& tile, const Case& l
                            const WindowScheme& scheme = {})
 {
     MemorySource source(tile);
+    MemoryRadiance radiance;
+    FarLighting far;
+    far.settings = lit.settings;
+    far.sky = lit.sky;
+    far.scheme = scheme;
+    EXPECT_TRUE(lightLevels(state, source, far, radiance));
+    const int margin = lit.settings.bounces > 0 ? bounceMargin : 0;
     std::vector<float> all;
     for (int y = 0; y < side; ++y)
         for (int x = 0; x < side; ++x)
@@ -101,24 +109,26 @@ std::vector<float> inTiles(osg::State& state, const DemTile& tile, const Case& l
             place.row = tile.height() * y / side;
             place.width = tile.width() * (x + 1) / side - place.column;
             place.height = tile.height() * (y + 1) / side - place.row;
-            const auto windows = readWindows(source, 0, place, scheme);
+            const PostRect grown = place.grownBy(margin).clippedTo(source.extent(0));
+            const auto windows = readWindows(source, 0, grown, scheme);
             EXPECT_TRUE(windows);
             const osg::ref_ptr<TileLight> light = new TileLight(*windows, lit.settings, lit.sky);
+            if (margin > 0)
+                light->setFarLight(
+                    readFarLight(radiance, 0, lit.settings.bounces, **windows).value());
             const Status done = light->update(state);
             EXPECT_TRUE(done) << done.error().message;
             const std::vector<float> values = read(*light);
             light->releaseGLObjects(&state);
             const std::size_t count = values.size() / light->tile().postCount();
             all.resize(tile.postCount() * count);
+            const auto texel = [count](int column, int row, int width)
+            { return static_cast<std::ptrdiff_t>(count) * (std::ptrdiff_t(row) * width + column); };
             for (int row = 0; row < place.height; ++row)
-                std::copy_n(
-                    values.begin() + static_cast<std::ptrdiff_t>(
-                                         static_cast<std::size_t>(row * place.width) * count),
-                    static_cast<std::size_t>(place.width) * count,
-                    all.begin() + static_cast<std::ptrdiff_t>(
-                                      static_cast<std::size_t>((place.row + row) * tile.width() +
-                                                               place.column) *
-                                      count));
+                std::copy_n(values.begin() + texel(place.column - grown.column,
+                                                   place.row - grown.row + row, grown.width),
+                            static_cast<std::size_t>(place.width) * count,
+                            all.begin() + texel(place.column, place.row + row, tile.width()));
         }
     return all;
 }
@@ -171,4 +181,78 @@ TEST(TileWindows, HorizonsOfTilesAreThoseOfOnePiece)
             EXPECT_LE(found.median, 0.001);
             EXPECT_LE(found.p99, quality == HorizonQuality::Best ? 0.05 : 0.15);
         }
+}
+
+namespace
+{
+SkyLight afternoon()
+{
+    SkyLight sky;
+    sky.sunEnabled = true;
+    sky.sunAzimuth = 247.0;
+    sky.sunElevation = 25.0;
+    return sky;
+}
+
+std::vector<float> shadingOf(osg::State& state, TileLight& light)
+{
+    const Raster<osg::Vec4f> shading = light.readShading(state);
+    std::vector<float> values;
+    for (const osg::Vec4f& post : shading.values())
+        values.insert(values.end(), {post.x(), post.y(), post.z()});
+    return values;
+}
+
+std::vector<float> bouncedOf(osg::State& state, TileLight& light)
+{
+    std::vector<float> values(light.tile().postCount(), 0.0f);
+    for (int bounce = 1; bounce <= light.bounces(); ++bounce)
+    {
+        const Raster<osg::Vec4f> read = light.readBounce(state, bounce);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            values[i] += read.values()[i].y();
+    }
+    return values;
+}
+
+/// Of b from a, of all values [%].
+double relativeRms(const std::vector<float>& a, const std::vector<float>& b)
+{
+    double sum = 0.0, all = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+    {
+        const double difference = static_cast<double>(b[i]) - static_cast<double>(a[i]);
+        sum += difference * difference;
+        all += static_cast<double>(a[i]) * static_cast<double>(a[i]);
+    }
+    return 100.0 * std::sqrt(sum / all);
+}
+} // namespace
+
+TEST(TileWindows, ShadingOfTilesIsThatOfOnePiece)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    const DemTile tile = fractal(769);
+    for (const int bounces : {0, 1, 3})
+    {
+        Case lit;
+        lit.sky = afternoon();
+        lit.settings.azimuths = 16;
+        lit.settings.bounces = bounces;
+        lit.settings.albedo = {0.5f, 0.5f, 0.5f};
+        const auto read = [&](TileLight& light) { return shadingOf(state, light); };
+        const Differences found =
+            differencesOf(inOnePiece(state, tile, lit, read), inTiles(state, tile, lit, 3, read));
+        std::printf("%d bounces: median %.5f mean %.5f p99 %.5f worst %.3f\n", bounces,
+                    found.median, found.mean, found.p99, found.worst);
+        EXPECT_LE(found.p99, 5e-3);
+        if (bounces == 0)
+            continue;
+        const auto bounced = [&](TileLight& light) { return bouncedOf(state, light); };
+        const double error = relativeRms(inOnePiece(state, tile, lit, bounced),
+                                         inTiles(state, tile, lit, 3, bounced));
+        std::printf("%d bounces: %.2f %% of bounced light\n", bounces, error);
+        EXPECT_LE(error, 1.5);
+    }
 }

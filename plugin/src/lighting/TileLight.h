@@ -135,6 +135,8 @@ public:
     /// Of one bounce alone, 1 … settings' bounces: rgb = irradiance / π, a = 1; 0 where void.
     /// Precondition: bounces are on, and there is what they would bounce.
     Raster<osg::Vec4f> readBounce(osg::State& state, int bounce) const;
+    /// Bounces that there are: of the settings, or none where there is nothing to bounce.
+    int bounces() const { return static_cast<int>(_bounces.size()); }
     unsigned readDroppedVertices(osg::State& state) const; ///< of all sweeps
 
     void setTimed(bool timed) { _graph.setTimed(timed); }
