@@ -1,5 +1,5 @@
-// The windows around a tile, for passes whose lines come from beyond it. FAR_LEVELS: how many coarser
-// ones there are, 0 too; not defined: nothing surrounds the tile.
+// The windows around a tile, for passes whose lines come from beyond it. FAR_LEVELS: how many
+// coarser ones there are, 0 too; not defined: nothing surrounds the tile.
 #ifdef FAR_LEVELS
 // By level, the tile's own first: posts of the tile where the window's first and last post stand,
 // and texels of the first, for rays along the axes east and north.

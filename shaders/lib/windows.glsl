@@ -53,7 +53,7 @@ struct Columns
     real farthest; // steps
 };
 
-// Those at more than `inner` and at most `outer` >= inner >= 0 steps from a place of the line, whose
+// Those at more than `inner` and at most `outer` steps from a place of the line, 0 <= inner, whose
 // major coordinate is whole.
 Columns columnsBetween(Window window, vec2 place, GridRay ray, real inner, real outer)
 {

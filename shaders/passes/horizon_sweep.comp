@@ -216,6 +216,38 @@ vec2 vertexSeen(vec2 eye)
     return nearer;
 }
 
+// Slope at which a post's own ray meets the tile's own posts about `found` steps away [m per step],
+// before its exit and in the first `walked` steps; NO_HORIZON where it does not.
+Slope slopeNear(Line line, ivec2 post, float here, float found, float exit, float walked)
+{
+    float turn = line.drift * float(line.look); // of the ray, per step
+    Slope slope = NO_HORIZON;
+    // Steps whose columns are on the tile or beside it.
+    float last = min(walked, floor(exit) + 1.0);
+    RayColumn before =
+        rayColumn(heights, post + frame, along(line), across(line), turn,
+                  int(clamp(found + float(FIRST_MEASURED - 1), 0.0, last)));
+    for (int i = FIRST_MEASURED; i <= 1; ++i)
+    {
+        float away = found + float(i);
+        bool onRay = away > float(reach) && away < exit + 1.0 && away <= walked;
+        int step = int(clamp(away, 1.0, max(last, 1.0)));
+        RayColumn column =
+            rayColumn(heights, post + frame, along(line), across(line), turn, step);
+        Slope met = slopeAtStep(before, column, here, turn, step);
+        before = column;
+        slope = onRay ? max(slope, met) : slope;
+    }
+    return slope;
+}
+
+// Beside a void a ray may meet no surface where its line has seen one; then the line's word stands.
+Slope slopeOrWord(Slope slope, vec2 eye, vec2 seen, float exit)
+{
+    bool word = vertices > 0 && exit > float(reach) && slope <= NO_HORIZON;
+    return word ? (seen.x - eye.x) / (eye.y - seen.y) : slope;
+}
+
 #ifdef FAR_LEVELS
 // Slope at which a post's ray meets the surface `away` steps from it or just beyond, in the first
 // window from `level` on that it has not left there; that level. end: steps to the end of the data.
@@ -265,6 +297,9 @@ Slope slopeSeen(Line line, ivec2 post, vec2 eye)
     float exit = floor(end);
     float found = vertices > 0 ? min(eye.y - seen.y, exit) : exit;
     Slope slope = NO_HORIZON;
+    float own = exitOf(windowOf(0, line.north), vec2(post), ray);
+    if (found < own - 1.0)
+        return slopeOrWord(slopeNear(line, post, eye.x, found, own, own), eye, seen, exit);
     Met at = slopeFrom(post, eye.x, ray, line.north, 0, max(found, 1.0), end);
     int finer = max(at.level - 1, 0);
     float step = float(1 << at.level);
@@ -276,16 +311,13 @@ Slope slopeSeen(Line line, ivec2 post, vec2 eye)
         if (away > float(reach) && i != 0)
             slope = max(slope, slopeFrom(post, eye.x, ray, line.north, finer, away, end).slope);
     }
-    // Beside a void the ray may meet no surface there; then the line's word stands.
-    bool word = vertices > 0 && exit > float(reach) && slope <= NO_HORIZON;
-    return word ? (seen.x - eye.x) / (eye.y - seen.y) : slope;
+    return slopeOrWord(slope, eye, seen, exit);
 }
 #else
 // Horizon of a post that asks the line after so many steps [m per step].
 Slope slopeSeen(Line line, ivec2 post, vec2 eye)
 {
     int minor = line.north ? post.x : post.y;
-    int walked = int(eye.y);
     float turn = line.drift * float(line.look); // of the ray, per step
     float room = turn < 0.0 ? float(minor) : float(breadth(line) - 1 - minor);
     // Steps to the edge of the data; none where the ray runs along the grid.
@@ -295,30 +327,7 @@ Slope slopeSeen(Line line, ivec2 post, vec2 eye)
     // at its own exit at most. Where the line's only sample that far is beyond the data, its exit
     // is asked.
     float found = min(vertices > 0 ? eye.y - seen.y : exit, floor(exit));
-    Slope slope = NO_HORIZON;
-    bool measured = false;
-    // Steps whose columns are on the tile or beside it.
-    float last = min(float(walked), floor(exit) + 1.0);
-    RayColumn before =
-        rayColumn(heights, post + frame, along(line), across(line), turn,
-                  int(clamp(found + float(FIRST_MEASURED - 1), 0.0, last)));
-    for (int i = FIRST_MEASURED; i <= 1; ++i)
-    {
-        float away = found + float(i);
-        bool onRay = away > float(reach) && away < exit + 1.0 && away <= float(walked);
-        int step = int(clamp(away, 1.0, max(last, 1.0)));
-        RayColumn column =
-            rayColumn(heights, post + frame, along(line), across(line), turn, step);
-        Slope met = slopeAtStep(before, column, eye.x, turn, step);
-        before = column;
-        onRay = onRay && met > NO_HORIZON;
-        slope = onRay ? max(slope, met) : slope;
-        measured = measured || onRay;
-    }
-    // Beside a void the ray may meet no surface there; then the line's word stands.
-    if (vertices > 0 && !measured && floor(exit) > float(reach))
-        slope = (seen.x - eye.x) / (eye.y - seen.y);
-    return slope;
+    return slopeOrWord(slopeNear(line, post, eye.x, found, exit, eye.y), eye, seen, floor(exit));
 }
 #endif
 
