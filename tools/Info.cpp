@@ -1,5 +1,7 @@
 #include "Pipeline.h"
 
+#include "Windows.h"
+
 #include "core/AzimuthSet.h"
 #include "core/SyntheticTerrain.h"
 #include "gpu/Textures.h"
@@ -58,26 +60,16 @@ void printGpu(const Gpu& gpu)
 /// What the textures of one tile take; sky and sun on.
 void printMemory(int width, int height, const LightingSettings& settings)
 {
-    const double posts = double(width) * height;
-    constexpr int frame = HorizonNode::frame;
-    const double heights = 4.0 * (double(width + 2 * frame) * (height + 2 * frame) + height);
-    const double map = 2.0 * posts * settings.azimuths;
-    const HorizonScheme scheme = HorizonScheme::of(settings.quality);
-    const auto working =
-        static_cast<double>(HorizonNode::workingBytes(width, height, scheme, settings.azimuths));
-    const double sun =
-        2.0 * TileLight::sunAzimuths * posts; // its working space is the sky's, at another time
-    const double skyView = 4.0 * posts;
-    const double shading = 8.0 * posts;
+    const TileBytes bytes(width, height, settings);
     std::cout << "\nGraphics memory for " << size(width, height) << " posts, " << settings.azimuths
               << " azimuths, quality " << toString(settings.quality) << "\n";
-    line("Heights", mebibytes(heights));
-    line("Horizon map", mebibytes(map));
-    line("Working space", mebibytes(working));
-    line("Sky view", mebibytes(skyView));
-    line("Sun's horizon", mebibytes(sun));
-    line("Shading", mebibytes(shading));
-    line("All", mebibytes(heights + map + working + skyView + sun + shading));
+    line("Heights", mebibytes(bytes.heights));
+    line("Horizon map", mebibytes(bytes.map));
+    line("Working space", mebibytes(bytes.working));
+    line("Sky view", mebibytes(bytes.sky));
+    line("Sun's horizon", mebibytes(bytes.sun));
+    line("Shading", mebibytes(bytes.shading));
+    line("All", mebibytes(bytes.all()));
 }
 
 void printRaster(const std::string& path, const DemInfo& info)
