@@ -7,10 +7,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <system_error>
+#include <thread>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -133,16 +135,21 @@ FileLock& FileLock::operator=(FileLock&& other) noexcept
 
 bool FileLock::lock(Kind kind, bool waits)
 {
-    const int how = (kind == Kind::Shared ? LOCK_SH : LOCK_EX) | (waits ? 0 : LOCK_NB);
-    int done = 0;
-    do
-        done = flock(_file, how);
-    while (done != 0 && errno == EINTR);
-    if (done == 0)
-        return true;
-    static bool said = false;
+    const int how = kind == Kind::Shared ? LOCK_SH : LOCK_EX;
+    // A program that was killed keeps its locks until all of its threads are gone.
+    constexpr int turns = 20;
+    for (int turn = 0; turn < turns; ++turn)
+    {
+        if (flock(_file, waits ? how : how | LOCK_NB) == 0)
+            return true;
+        if (errno == EWOULDBLOCK)
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        else if (errno != EINTR)
+            break;
+    }
     if (errno == EWOULDBLOCK)
         return false;
+    static bool said = false;
     if (!std::exchange(said, true))
         warn(_path + ": this file system has no locks (" + std::generic_category().message(errno) +
              "): nothing keeps two runs from writing the same parts");

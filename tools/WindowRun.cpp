@@ -320,10 +320,11 @@ private:
         if (_options.output.quiet)
             return Nothing{};
         say("done", true);
-        summarise(
-            lit, _product, _posts,
-            " for " + std::to_string(_grid->count()) + " windows" +
-                (_dropped > 0 ? ", " + std::to_string(_dropped) + " hull vertices dropped" : ""));
+        if (_posts > 0.0)
+            summarise(lit, _product, _posts,
+                      " for " + std::to_string(_grid->count()) + " windows" +
+                          (_dropped > 0 ? ", " + std::to_string(_dropped) + " hull vertices dropped"
+                                        : ""));
         return Nothing{};
     }
 
