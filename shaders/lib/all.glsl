@@ -4,6 +4,7 @@
 #include "subsampling.glsl"
 #include "horizon.glsl"
 #include "rays.glsl"
+#include "windows.glsl"
 #include "sky.glsl"
 #include "shadow.glsl"
 #include "clear_sky.glsl"

@@ -9,6 +9,9 @@
 // ASKED 1: one dispatch, a post asks its nearest line. ASKED 2: it asks the two lines that it
 // stands between; lines of even number (PARITY 0) write, then, in a second dispatch, those of odd
 // number keep the higher.
+//
+// FAR_LEVELS n: a line begins in the farthest of n coarser windows around the tile, comes through
+// each of them and through the tile's own ring, and serves posts of the tile.
 layout(local_size_x = 32) in;
 
 // R32F [m], framed by `frame` void posts, row 0 south
@@ -25,9 +28,30 @@ uniform int firstDirection; // of this dispatch
 layout(std140, binding = 0) uniform Rays
 {
     // Signed drift along the minor axis per step of the major axis towards +, look direction along
-    // the major axis (+1 or -1), 1 where the major axis is north, layer.
+    // the major axis (+1 or -1), 1 where the major axis is north, how far the lines are moved along
+    // the minor axis. One layer each.
     vec4 directions[256];
 };
+
+#ifdef FAR_LEVELS
+// By level, the tile's own first: posts of the tile where the window's first and last post stand,
+// and texels of the first, for rays along the axes east and north.
+uniform ivec4 windowPosts[FAR_LEVELS + 1];
+uniform ivec4 windowTexels[FAR_LEVELS + 1];
+#if FAR_LEVELS > 0
+layout(r32f) readonly uniform image2D farHeights; // R32F [m]
+#endif
+
+Window windowOf(int level, bool north)
+{
+    Window window;
+    window.first = windowPosts[level].xy;
+    window.last = windowPosts[level].zw;
+    window.texel = north ? windowTexels[level].zw : windowTexels[level].xy;
+    window.step = 1 << level;
+    return window;
+}
+#endif
 
 // A hull that may need more vertices than there is room for loses every second of them, the newest
 // excepted. Between two kept vertices the hull then runs below the lost one, by no more than the
@@ -99,9 +123,9 @@ Line lineOf(vec4 direction)
     line.drift = direction.x;
     line.look = int(direction.y);
     line.north = direction.z != 0.0;
-    line.layer = int(direction.w);
+    line.layer = firstDirection + int(gl_GlobalInvocationID.z);
     line.number = ASKED * int(gl_GlobalInvocationID.x) + PARITY;
-    line.shift = max(line.drift, 0.0) * float(steps(line) - 1);
+    line.shift = max(line.drift, 0.0) * float(steps(line) - 1) + direction.w;
     line.start = float(line.number) / float(linesPerPost) - line.shift;
     // Major coordinates at which the line is over the tile, half a post around it included.
     int low = 0;
@@ -118,6 +142,15 @@ Line lineOf(vec4 direction)
         high = low - 1;
     line.first = line.look > 0 ? high : low;
     line.count = high - low + 1;
+#ifdef FAR_LEVELS
+    // And in the ring that it comes through before.
+    vec2 place = vec2(line.first, line.start + line.drift * float(line.first));
+    place = line.north ? place.yx : place;
+    GridRay ray = gridRay(line.drift, line.look, line.north);
+    int lead = line.count > 0 ? max(0, int(exitOf(windowOf(0, line.north), place, ray))) : 0;
+    line.first += line.look * lead;
+    line.count += lead;
+#endif
     return line;
 }
 
@@ -132,16 +165,9 @@ void thinHull()
     vertices = kept + 1;
 }
 
-// The line's surface after so many steps becomes the newest vertex, but where it is void.
-void push(Line line, int walked)
+// The newest vertex, but where it is void.
+void pushVertex(vec2 vertex)
 {
-    int major = line.first - line.look * walked;
-    float minor = line.start + line.drift * float(major);
-    int whole = int(floor(minor));
-    ivec2 post = postAt(line, whole, major) + frame;
-    float a = postHeight(heights, post);
-    float b = postHeight(heights, post + across(line));
-    vec2 vertex = vec2(crossingHeight(a, b, minor - float(whole)), float(walked));
     if (isVoid(vertex.x))
         return;
     while (vertices > 1 && hidesOrEquals(vertex, newest, second))
@@ -155,6 +181,55 @@ void push(Line line, int walked)
     newest = vertex;
     ++vertices;
 }
+
+// The line's surface after so many steps.
+void push(Line line, int walked)
+{
+    int major = line.first - line.look * walked;
+    float minor = line.start + line.drift * float(major);
+    int whole = int(floor(minor));
+    ivec2 post = postAt(line, whole, major) + frame;
+    float a = postHeight(heights, post);
+    float b = postHeight(heights, post + across(line));
+    pushVertex(vec2(crossingHeight(a, b, minor - float(whole)), float(walked)));
+}
+
+#if defined(FAR_LEVELS) && FAR_LEVELS > 0
+// The line's surface in the coarser windows, farthest first; positions are below 0.
+void pushFar(Line line)
+{
+    GridRay ray = gridRay(line.drift, line.look, line.north);
+    vec2 place = vec2(line.first, line.start + line.drift * float(line.first));
+    place = line.north ? place.yx : place;
+    for (int level = FAR_LEVELS; level >= 1; --level)
+    {
+        Window window = windowOf(level, line.north);
+        float inner = max(exitOf(windowOf(level - 1, line.north), place, ray), 0.0);
+        float outer = exitOf(window, place, ray);
+        // Columns are at multiples of the step from the window's first post.
+        float step = float(window.step);
+        float from = float(line.look * (line.first - (line.north ? window.first.y : window.first.x)));
+        int column = int(floor((from + outer) / step));
+        int count = column - int(floor((from + inner) / step));
+        for (int chunk = 0; chunk < count; chunk += CHUNK)
+        {
+            if (vertices > HULL_CAPACITY - CHUNK)
+                thinHull();
+            for (int i = chunk; i < min(chunk + CHUNK, count); ++i)
+            {
+                float away = float(column - i) * step - from;
+                vec2 there = (place + ray.step * away - vec2(window.first)) / step;
+                float minor = line.north ? there.x : there.y;
+                int whole = int(floor(minor));
+                ivec2 texel = window.texel + postAt(line, whole, line.look * (column - i));
+                float a = postHeight(farHeights, texel);
+                float b = postHeight(farHeights, texel + across(line));
+                pushVertex(vec2(crossingHeight(a, b, minor - float(whole)), -away));
+            }
+        }
+    }
+}
+#endif
 
 // The vertex in which an eye, height and position, sees the horizon.
 vec2 vertexSeen(vec2 eye)
@@ -171,11 +246,69 @@ vec2 vertexSeen(vec2 eye)
     return nearer;
 }
 
-// Writes the horizon of a post that asks the line after so many steps.
-void serve(Line line, int minor, int major, int walked)
+#ifdef FAR_LEVELS
+// Slope at which a post's ray meets the surface `away` steps from it or just beyond, in the first
+// window from `level` on that it has not left there; that level.
+struct Met
 {
-    ivec2 post = postAt(line, minor, major);
-    vec2 eye = vec2(postHeight(heights, post + frame), float(walked));
+    Slope slope;
+    int level;
+};
+
+Met slopeFrom(ivec2 post, float here, GridRay ray, bool north, int level, float away)
+{
+    Met met;
+    met.slope = NO_HORIZON;
+    met.level = FAR_LEVELS;
+    for (; level <= FAR_LEVELS; ++level)
+    {
+        Window window = windowOf(level, north);
+        float column = columnFrom(window, post, ray, away);
+        if (column > exitOf(window, vec2(post), ray))
+            continue;
+        met.level = level;
+        if (level == 0)
+            met.slope = slopeInWindow(heights, window, post, here, ray, column);
+#if FAR_LEVELS > 0
+        else
+            met.slope = slopeInWindow(farHeights, window, post, here, ray, column);
+#endif
+        break;
+    }
+    return met;
+}
+
+// Horizon of a post that asks the line after so many steps [m per step].
+Slope slopeSeen(Line line, ivec2 post, vec2 eye)
+{
+    if (vertices == 0)
+        return NO_HORIZON;
+    GridRay ray = gridRay(line.drift, line.look, line.north);
+    vec2 seen = vertexSeen(eye);
+    // What the line sees last, the ray may be beside the data of.
+    float exit = exitOf(windowOf(FAR_LEVELS, line.north), vec2(post), ray);
+    float found = min(eye.y - seen.y, floor(exit));
+    Slope slope = NO_HORIZON;
+    Met at = slopeFrom(post, eye.x, ray, line.north, 0, max(found, 1.0));
+    int finer = max(at.level - 1, 0);
+    float step = float(1 << at.level);
+    if (found > float(reach))
+        slope = at.slope;
+    for (int i = FIRST_MEASURED; i <= 1; i += 1 + int(i == -1))
+    {
+        float away = found + float(i) * step;
+        if (away > float(reach) && i != 0)
+            slope = max(slope, slopeFrom(post, eye.x, ray, line.north, finer, away).slope);
+    }
+    // Beside a void the ray may meet no surface there; then the line's word stands.
+    return slope > NO_HORIZON ? slope : (seen.x - eye.x) / (eye.y - seen.y);
+}
+#else
+// Horizon of a post that asks the line after so many steps [m per step].
+Slope slopeSeen(Line line, ivec2 post, vec2 eye)
+{
+    int minor = line.north ? post.x : post.y;
+    int walked = int(eye.y);
     float turn = line.drift * float(line.look); // of the ray, per step
     float room = turn < 0.0 ? float(minor) : float(breadth(line) - 1 - minor);
     // Steps to the edge of the data; none where the ray runs along the grid.
@@ -208,6 +341,16 @@ void serve(Line line, int minor, int major, int walked)
     // Beside a void the ray may meet no surface there; then the line's word stands.
     if (vertices > 0 && !measured && floor(exit) > float(reach))
         slope = (seen.x - eye.x) / (eye.y - seen.y);
+    return slope;
+}
+#endif
+
+// Writes the horizon of a post that asks the line after so many steps.
+void serve(Line line, int minor, int major, int walked)
+{
+    ivec2 post = postAt(line, minor, major);
+    vec2 eye = vec2(postHeight(heights, post + frame), float(walked));
+    Slope slope = slopeSeen(line, post, eye);
     float stepLength = imageLoad(stepLengths, ivec2(line.layer, post.y)).x;
     float code = codeOfElevation(elevationOfSlope(slope / stepLength));
     if (PARITY == 1)
@@ -225,9 +368,23 @@ bool isAsked(Line line, int minor, float drifted)
     return lead == line.number || (ASKED == 2 && lead + 1 == line.number);
 }
 
+// Not in the ring.
+bool inTile(Line line, int major)
+{
+#ifdef FAR_LEVELS
+    return major >= 0 && major < steps(line);
+#else
+    return true;
+#endif
+}
+
 void main()
 {
     Line line = lineOf(directions[firstDirection + int(gl_GlobalInvocationID.z)]);
+#if defined(FAR_LEVELS) && FAR_LEVELS > 0
+    if (line.count > 0)
+        pushFar(line);
+#endif
     for (int chunk = 0; chunk < line.count; chunk += CHUNK)
     {
         // Asked once per chunk, not per push: a processor that runs lanes in step pays for it each
@@ -247,7 +404,7 @@ void main()
                 bool mine = isAsked(line, minor, drifted);
                 if (POSTS_PER_STEP == 1 && !mine)
                     mine = isAsked(line, ++minor, drifted);
-                if (minor >= 0 && minor < breadth(line) && mine)
+                if (minor >= 0 && minor < breadth(line) && mine && inTile(line, major))
                     serve(line, minor, major, walked);
             }
         }

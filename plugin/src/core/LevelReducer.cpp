@@ -1,8 +1,10 @@
 #include "core/LevelReducer.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace osgTerrainLight
 {
@@ -52,7 +54,7 @@ void LevelReducer::addRow(const float* heights)
 {
     assert(_row < _height);
     std::vector<float> row(heights, heights + _width);
-    if (_row > 0)
+    if (_row > 0 || _height == 1) // a single row has void ones beside it
     {
         std::array<std::vector<float>, 2> cells;
         for (int axis = 0; axis < 2; ++axis)
@@ -65,8 +67,6 @@ void LevelReducer::addRow(const float* heights)
         }
         addCells(1, std::move(cells));
     }
-    else if (_height == 1) // no cells: the row's own
-        addCells(1, {row, row});
     _before = std::move(row);
     if (++_row == _height)
         end(1);

@@ -9,8 +9,8 @@
 namespace osgTerrainLight
 {
 
-/// Makes coarser levels of terrain in one pass over its rows, from the south. Needs memory for a few
-/// rows only.
+/// Makes coarser levels of terrain in one pass over its rows, from the south. Needs memory for a
+/// few rows only.
 ///
 /// Height of a post of level k: what lies around it, half way to its neighbours, the maximum along
 /// an axis and the mean across it, level by level, voids (NaN) left out. A point sample misses

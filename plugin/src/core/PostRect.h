@@ -18,6 +18,10 @@ struct PostRect
     bool empty() const { return width <= 0 || height <= 0; }
     int endColumn() const { return column + width; }
     int endRow() const { return row + height; }
+    bool contains(int x, int y) const
+    {
+        return x >= column && y >= row && x < endColumn() && y < endRow();
+    }
 
     PostRect grownBy(int posts) const
     {

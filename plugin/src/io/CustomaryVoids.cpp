@@ -46,11 +46,13 @@ bool CustomaryVoids::isVoid(const Entry& entry)
     return entry.always || entry.nearest > near;
 }
 
-bool CustomaryVoids::isVoid(double stored) const
+std::vector<double> CustomaryVoids::voids() const
 {
-    return stored <= highest && std::any_of(_entries.begin(), _entries.end(),
-                                            [stored](const Entry& entry)
-                                            { return entry.value == stored && isVoid(entry); });
+    std::vector<double> result;
+    for (const Entry& entry : _entries)
+        if (entry.count > 0 && isVoid(entry))
+            result.push_back(entry.value);
+    return result;
 }
 
 std::vector<double> CustomaryVoids::heights() const

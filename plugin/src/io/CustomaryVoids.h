@@ -21,10 +21,11 @@ public:
     explicit CustomaryVoids(const BandFacts& facts);
 
     /// True where the stored value is one of them, which is then counted. All other values that are
-    /// neither nodata nor masked are to be shown as well, before isVoid() is asked.
+    /// neither nodata nor masked are to be shown as well, before voids() is asked.
     bool take(double stored) { return stored <= highest && takeLow(stored); }
 
-    bool isVoid(double stored) const;
+    /// Values that are void.
+    std::vector<double> voids() const;
 
     /// Values that are counted and are heights, one for each.
     std::vector<double> heights() const;

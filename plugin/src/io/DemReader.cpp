@@ -1,65 +1,46 @@
 #include "io/DemReader.h"
 
 #include "io/CellAverages.h"
-#include "io/CustomaryVoids.h"
 #include "io/GdalErrors.h"
-#include "io/HeightSurvey.h"
+#include "io/HeightReader.h"
 #include "io/OpenDem.h"
 
-#include <cpl_conv.h>
 #include <gdal_priv.h>
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <new>
+#include <utility>
 
 namespace osgTerrainLight
 {
 namespace
 {
 
-constexpr double pi = 3.14159265358979323846;
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
-
-std::string number(double value)
-{
-    return CPLSPrintf("%.10g", value);
-}
-
-std::string posts(std::size_t count)
-{
-    return std::to_string(count) + (count == 1 ? " post" : " posts");
-}
-
 std::string size(int width, int height)
 {
     return std::to_string(width) + " x " + std::to_string(height);
 }
 
-/// Real holds stored values exactly: float for up to 24 bits, double for the rest. Heights reach
-/// float only after the origin, known when all are read, is taken off in double.
+/// Heights reach float only after the origin, known when all are read, is taken off in double.
 template <class Real>
-class HeightReader
+class TileReader
 {
 public:
-    HeightReader(const std::string& path, const DemReadOptions& options, OpenDem& dem,
-                 const GdalErrors& errors)
+    TileReader(const std::string& path, const DemReadOptions& options, OpenDem& dem,
+               const GdalErrors& errors)
         : _path(path), _options(options), _dem(dem), _errors(errors), _info(dem.info),
-          _band(dem.band), _maskBand(dem.band->GetMaskBand()), _window(dem.info.window),
-          _customs(dem.info), _survey(dem.info.bodyRadius, !dem.info.heightUnit.empty())
+          _window(dem.info.window), _reader(dem)
     {
-        if (_info.alphaBand != 0)
-            _maskBand = dem.dataset->GetRasterBand(_info.alphaBand);
     }
 
     Result<DemFile> read()
     {
         std::vector<Real> stored(place(_window.height, 0));
-        const auto take = [&](int row, int rows)
-        { return readRows(row, rows, stored.data() + place(row, 0), true); };
+        const auto take = [&](const PixelWindow& strip)
+        { return _reader.read(strip, stored.data() + place(strip.row - _window.row, 0), true); };
         if (auto error = eachStrip(0.0, 1.0, take))
             return *error;
         if (auto error = endSurvey())
@@ -72,9 +53,13 @@ public:
     /// what is void by custom, and whether heights are radii, is known when all were seen.
     Result<DemFile> readReduced(int width, int height)
     {
-        useOverview(std::max(width, height));
-        std::vector<Real> strip(place(stripRows(), 0));
-        const auto see = [&](int row, int rows) { return readRows(row, rows, strip.data(), true); };
+        const bool fromOverview = place(_window.height, 0) > _options.maxPosts &&
+                                  _reader.useOverview(std::max(width, height));
+        if (fromOverview)
+            _window = {0, 0, _reader.width(), _reader.height()};
+        std::vector<Real> strip(place(_reader.stripRows(_window), 0));
+        const auto see = [&](const PixelWindow& rows)
+        { return _reader.read(rows, strip.data(), true); };
         if (auto error = eachStrip(0.0, 0.5, see))
             return *error;
         if (auto error = endSurvey())
@@ -86,14 +71,15 @@ public:
         if (!ground)
             return ground.error();
         CellAverages averages(_window.width, _window.height, width, height);
-        const auto average = [&](int row, int rows)
+        const auto average = [&](const PixelWindow& rows)
         {
-            if (!readRows(row, rows, strip.data(), false))
+            if (!_reader.read(rows, strip.data(), false))
                 return false;
-            for (int y = 0; y < rows; ++y)
-                for (int x = 0; x < _window.width && !isBeyondPole(*ground, source, row + y); ++x)
+            for (int y = 0; y < rows.height; ++y)
+                for (int x = 0; x < _window.width && !isBeyondPole(*ground, source, rows.row + y);
+                     ++x)
                     if (const double metres = metresOf(strip[place(y, x)]); !std::isnan(metres))
-                        averages.add(x, row + y, metres);
+                        averages.add(x, rows.row + y, metres);
             return true;
         };
         if (auto error = eachStrip(0.5, 1.0, average))
@@ -106,11 +92,11 @@ public:
         Result<DemFile> file =
             fileOf(frame, *coarse, [&](int column, int row) { return averages.at(column, row); });
         if (file)
-            file->notes.push_back(size(_info.rasterWidth, _info.rasterHeight) +
-                                  " posts are averaged to " + size(width, height) +
-                                  (_band == _dem.band ? ""
-                                                      : ", from the overview of " +
-                                                            size(_window.width, _window.height)));
+            file->notes.push_back(
+                size(_info.rasterWidth, _info.rasterHeight) + " posts are averaged to " +
+                size(width, height) +
+                (fromOverview ? ", from the overview of " + size(_window.width, _window.height)
+                              : ""));
         return file;
     }
 
@@ -122,173 +108,38 @@ private:
                static_cast<std::size_t>(column);
     }
 
-    /// Of a stored value; NaN where it is void.
     double metresOf(Real stored) const
     {
-        const auto value = static_cast<double>(stored);
-        const double metres = _info.metresOf(value);
-        // Comparisons with NaN are false.
-        return _survey.isVoid(metres) || _customs.isVoid(value) ? missing : metres;
+        return _rules.metresOf(static_cast<double>(stored), _info);
     }
 
-    double heightOf(double metres) const
-    {
-        return _survey.heightOf(metres) * _options.heightFactor;
-    }
+    double heightOf(double metres) const { return _rules.heightOf(metres) * _options.heightFactor; }
 
-    static bool isBeyondPole(const GroundSpacing& ground, const RasterFrame& frame, int fileRow)
-    {
-        return !ground.beyondPole.empty() &&
-               ground.beyondPole[static_cast<std::size_t>(frame.fileRow(fileRow))];
-    }
-
-    bool isNoData(Real stored) const
-    {
-        if (!_info.noData)
-            return false;
-        if (std::isnan(*_info.noData))
-            return std::isnan(stored);
-        // A nodata value that text or a double tag holds exactly may have been rounded to float on
-        // its way into the pixels, or the other way round. Large whole numbers must not be rounded.
-        return static_cast<double>(stored) == *_info.noData ||
-               (!_info.integer && static_cast<float>(stored) == static_cast<float>(*_info.noData));
-    }
-
-    /// Of a raster with more posts than options.maxPosts, the smallest overview that has no fewer
-    /// than maxSide a side, which stands for the raster from then on.
-    void useOverview(int maxSide)
-    {
-        const std::size_t count = place(_window.height, 0);
-        GDALRasterBand* const alpha =
-            _info.alphaBand != 0 ? _dem.dataset->GetRasterBand(_info.alphaBand) : nullptr;
-        for (int i = 0; count > _options.maxPosts && i < _dem.band->GetOverviewCount(); ++i)
-        {
-            GDALRasterBand* overview = _dem.band->GetOverview(i);
-            GDALRasterBand* mask = alpha ? alpha->GetOverview(i) : overview->GetMaskBand();
-            const int width = overview->GetXSize();
-            const int height = overview->GetYSize();
-            const bool masked = mask && mask->GetXSize() == width && mask->GetYSize() == height;
-            if (std::max(width, height) >= maxSide && width <= _window.width && masked)
-            {
-                _band = overview;
-                _maskBand = mask;
-                _window = {0, 0, width, height};
-            }
-        }
-    }
-
-    /// Whole rows of blocks, so that none is decoded twice, in strips of at most about 4 M posts.
-    int stripRows() const
-    {
-        int blockWidth = 0;
-        int blockHeight = 0;
-        _band->GetBlockSize(&blockWidth, &blockHeight);
-        return std::clamp(blockHeight, 1, std::max(1, (1 << 22) / _window.width));
-    }
-
-    /// take(row, rows): false where the rows cannot be read. from, to: of the progress.
+    /// from, to: of the progress.
     std::optional<Error> eachStrip(double from, double to,
-                                   const std::function<bool(int row, int rows)>& take)
+                                   const std::function<bool(const PixelWindow&)>& take)
     {
-        const int most = stripRows();
-        for (int row = 0; row < _window.height;)
-        {
-            // The first strip ends where a block ends.
-            const int inBlock = (_window.row + row) % most;
-            const int rows = std::min(most - inBlock, _window.height - row);
-            if (!take(row, rows))
-                return Error{ErrorCode::Failed,
-                             _path + ": cannot read rows " + std::to_string(_window.row + row) +
-                                 " to " + std::to_string(_window.row + row + rows - 1) + " of " +
-                                 std::to_string(_band->GetYSize()) + ": " + _errors.last()};
-            row += rows;
-            if (_options.progress &&
-                !_options.progress(from + (to - from) * static_cast<double>(row) / _window.height))
-                return Error{ErrorCode::Failed, _path + ": reading was cancelled"};
-        }
-        return std::nullopt;
-    }
-
-    /// Marks as NaN what nodata value or mask say is void; the rest is surveyed where asked.
-    bool readRows(int row, int rows, Real* strip, bool survey)
-    {
-        const int width = _window.width;
-        const int left = _window.column;
-        const int top = _window.row + row;
-        const std::size_t count = place(rows, 0);
-        const GDALDataType type = sizeof(Real) == sizeof(float) ? GDT_Float32 : GDT_Float64;
-        if (_band->RasterIO(GF_Read, left, top, width, rows, strip, width, rows, type, 0, 0,
-                            nullptr) != CE_None)
-            return false;
-        _mask.resize(_info.hasMask ? count : 0);
-        if (_info.hasMask &&
-            _maskBand->RasterIO(GF_Read, left, top, width, rows, _mask.data(), width, rows,
-                                GDT_Float32, 0, 0, nullptr) != CE_None)
-            return false;
-        for (std::size_t i = 0; i < count; ++i)
-        {
-            Real& value = strip[i];
-            if (_info.signedBytes && value > Real(127))
-                value -= Real(256);
-            if (isNoData(value) || (_info.hasMask && !(_mask[i] > 0.0f)))
-                value = std::numeric_limits<Real>::quiet_NaN();
-            else if (survey && !_customs.take(static_cast<double>(value)))
-                _survey.add(_info.metresOf(static_cast<double>(value)));
-        }
-        return true;
+        const auto progress = [&](double done)
+        { return !_options.progress || _options.progress(from + (to - from) * done); };
+        return _reader.eachStrip(_window, false, _path, _errors, progress, take);
     }
 
     /// All values were seen.
     std::optional<Error> endSurvey()
     {
-        for (const double value : _customs.heights())
-            _survey.add(_info.metresOf(value));
-        if (_survey.heights() > 0)
-            return std::nullopt;
-        std::string why;
-        for (const std::string& note : voidNotes())
-            why += "; " + note;
-        return Error{ErrorCode::Invalid, _path + ": holds no valid height: all of " +
-                                             size(_window.width, _window.height) +
-                                             " posts are void" + why};
-    }
-
-    /// Of posts that are void though neither nodata value nor mask say so.
-    std::vector<std::string> voidNotes() const
-    {
-        std::vector<std::string> notes = _customs.notes();
-        if (_survey.voids() > 0)
-            notes.insert(
-                notes.begin(),
-                posts(_survey.voids()) +
-                    (_survey.areRadii()
-                         ? " that are no radii of the body, half to one and a half of its own"
-                         : " without a finite height within ±1e6 m") +
-                    ": taken as void");
-        return notes;
+        Result<HeightRules> rules = _reader.rules(_path, _window);
+        if (!rules)
+            return rules.error();
+        _rules = std::move(*rules);
+        return std::nullopt;
     }
 
     void addNotes(const GroundSpacing& ground, DemFile& file) const
     {
-        if (_survey.areRadii())
-            file.notes.push_back("heights are radii of the body: its " + number(_survey.radius()) +
-                                 " m come off");
-        if (_survey.areKilometres())
-            file.notes.push_back("heights are radii of the body in kilometres: its " +
-                                 number(_survey.radius()) +
-                                 " m come off; --unit m tells of metres");
-        const std::vector<std::string> voids = voidNotes();
-        file.notes.insert(file.notes.end(), voids.begin(), voids.end());
-        // See HeightFactors.
-        const double error =
-            ground.factors.steepest(ground.east[ground.east.size() / 2], ground.north) * 0.5 *
-            (file.highest - file.lowest);
-        if (error > std::tan(0.1 * pi / 180.0))
-            file.notes.push_back(
-                std::string("the map's scale changes so much over the raster that slopes are wrong "
-                            "by up to ") +
-                CPLSPrintf("%.1f", std::atan(error) * 180.0 / pi) +
-                " degrees; a smaller window or another projection is nearer");
+        const std::vector<std::string> notes = _reader.notes();
+        file.notes.insert(file.notes.end(), notes.begin(), notes.end());
+        if (const std::string note = noteOfSlopes(ground, file.lowest, file.highest); !note.empty())
+            file.notes.push_back(note);
     }
 
     /// metresAt(column, row): of the frame in the file's order; NaN where void.
@@ -321,7 +172,7 @@ private:
         DemTile& tile = file.tile;
         tile = DemTile(frame.width, frame.height, ground.north);
         tile.eastSpacings = ground.east;
-        tile.heightOrigin = std::round(0.5 * (file.lowest + file.highest)) + 0.0; // never -0
+        tile.heightOrigin = originOfHeights(file.lowest, file.highest);
         tile.crs = frame.crs;
         tile.mapStepX = std::abs(frame.geoTransform[1]);
         tile.mapStepY = std::abs(frame.geoTransform[5]);
@@ -337,12 +188,8 @@ private:
                                                   ground.factors.at(column, row)));
                 beyond += tile.isValid(column, row) ? 0u : 1u;
             });
-        const std::string most =
-            " more than 1e6 m from the middle height, by the z factor or the map's scale";
-        if (beyond == range.count)
-            return Error{ErrorCode::Invalid, _path + ": all heights lie" + most};
-        if (beyond > 0)
-            file.notes.push_back(posts(beyond) + most + ": taken as void");
+        if (auto error = tellOfBeyond(_path, beyond, range.count, file.notes))
+            return *error;
         return file;
     }
 
@@ -351,12 +198,9 @@ private:
     OpenDem& _dem;
     const GdalErrors& _errors;
     const DemInfo& _info;
-    GDALRasterBand* _band;     ///< what is read: the raster's, or an overview
-    GDALRasterBand* _maskBand; ///< of _band
-    PixelWindow _window;       ///< of it
-    std::vector<float> _mask;  ///< of a strip; an alpha band can hold fractions
-    CustomaryVoids _customs;
-    HeightSurvey _survey;
+    PixelWindow _window; ///< of what is read: the raster, or an overview
+    HeightReader<Real> _reader;
+    HeightRules _rules;
 };
 
 /// read(reader): with a reader of either kind of number.
@@ -371,8 +215,8 @@ Result<DemFile> withReader(const std::string& path, const DemReadOptions& option
         if (!opened)
             return opened.error();
         if (opened->info.fitsFloat)
-            return read(HeightReader<float>(path, options, *opened, errors), opened->info);
-        return read(HeightReader<double>(path, options, *opened, errors), opened->info);
+            return read(TileReader<float>(path, options, *opened, errors), opened->info);
+        return read(TileReader<double>(path, options, *opened, errors), opened->info);
     }
     catch (const std::bad_alloc&)
     {

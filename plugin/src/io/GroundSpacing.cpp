@@ -200,38 +200,29 @@ void measureMap(const OGRSpatialReference& crs, double metresPerUnit, const Rast
 std::optional<Error> measureDegrees(const std::string& path, const OGRSpatialReference& crs,
                                     const RasterFrame& frame, GroundSpacing& spacing)
 {
-    const double radiansPerUnit = crs.GetAngularUnits();
-    const double semiMajor = crs.GetSemiMajor();
-    const double semiMinor = crs.GetSemiMinor();
-    const double dx = std::abs(frame.geoTransform[1]) * radiansPerUnit;
-    const double dy = std::abs(frame.geoTransform[5]) * radiansPerUnit;
+    const DegreeRows rows(crs, frame);
     const int height = frame.height;
-    const auto latitude = [&](double fileRow)
-    { return (frame.geoTransform[3] + (fileRow + 0.5) * frame.geoTransform[5]) * radiansPerUnit; };
-    const auto metres = [&](double at)
-    { return metresPerRadian(std::clamp(at, -0.5 * pi, 0.5 * pi), semiMajor, semiMinor); };
     spacing.geographic = true;
     spacing.east.clear();
     std::size_t beyond = 0;
     for (int row = 0; row < height; ++row)
     {
-        const double at = latitude(frame.fileRow(row));
-        // A post on the pole itself may lie beyond it by rounding.
-        const bool outside = std::abs(at) > 0.5 * pi + 1.0e-9;
+        const bool outside = rows.isBeyondPole(row);
         beyond += outside ? 1 : 0;
-        spacing.east.push_back(dx * metres(at).east);
+        spacing.east.push_back(rows.east(row));
         spacing.beyondPole.push_back(outside);
     }
     if (beyond == static_cast<std::size_t>(height))
-        return Error{ErrorCode::Invalid, path + ": CRS \"" + (crs.GetName() ? crs.GetName() : "") +
-                                             "\" is geographic, but latitudes are about " +
-                                             number(latitude(0.5 * (height - 1)) * 180.0 / pi) +
-                                             "; needed -90 to 90"};
+        return Error{ErrorCode::Invalid,
+                     path + ": CRS \"" + (crs.GetName() ? crs.GetName() : "") +
+                         "\" is geographic, but latitudes are about " +
+                         number(rows.latitude(0.5 * (height - 1)) * 180.0 / pi) +
+                         "; needed -90 to 90"};
     if (beyond > 0)
         spacing.notes.push_back(std::to_string(beyond) + " rows lie beyond a pole and are void");
     else
         spacing.beyondPole.clear();
-    spacing.north = dy * metres(latitude(0.5 * (height - 1))).north;
+    spacing.north = rows.north(0.5 * (height - 1));
     if (crs.IsDerivedGeographic())
         spacing.notes.push_back("the CRS has a pole of its own: azimuths count from its north");
     return std::nullopt;
@@ -283,6 +274,38 @@ MetresPerRadian metresPerRadian(double latitude, double semiMajor, double semiMi
     const double w2 = a2 * cosine * cosine + b2 * sine * sine;
     const double w = std::sqrt(w2);
     return {a2 / w * cosine, a2 * b2 / (w2 * w)};
+}
+
+DegreeRows::DegreeRows(const OGRSpatialReference& crs, const RasterFrame& frame)
+    : _frame(frame), _radiansPerUnit(crs.GetAngularUnits()), _semiMajor(crs.GetSemiMajor()),
+      _semiMinor(crs.GetSemiMinor())
+{
+}
+
+double DegreeRows::latitude(double row) const
+{
+    return _frame.mapY(row) * _radiansPerUnit;
+}
+
+bool DegreeRows::isBeyondPole(int row) const
+{
+    // A post on the pole itself may lie beyond it by rounding.
+    return std::abs(latitude(row)) > 0.5 * pi + 1.0e-9;
+}
+
+MetresPerRadian DegreeRows::metres(double row) const
+{
+    return metresPerRadian(std::clamp(latitude(row), -0.5 * pi, 0.5 * pi), _semiMajor, _semiMinor);
+}
+
+double DegreeRows::east(double row) const
+{
+    return std::abs(_frame.geoTransform[1]) * _radiansPerUnit * metres(row).east;
+}
+
+double DegreeRows::north(double row) const
+{
+    return std::abs(_frame.geoTransform[5]) * _radiansPerUnit * metres(row).north;
 }
 
 HeightFactors::HeightFactors(int width, int height, int columns, int rows,

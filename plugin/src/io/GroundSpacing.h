@@ -25,6 +25,25 @@ struct MetresPerRadian
 /// the poles, where all longitudes meet, cos is kept at 1e-6, so that a spacing is always > 0.
 MetresPerRadian metresPerRadian(double latitude, double semiMajor, double semiMinor);
 
+/// Ground distances in a raster of degrees, of any tile row: of one beyond the frame as well.
+class DegreeRows
+{
+public:
+    /// crs: geographic.
+    DegreeRows(const OGRSpatialReference& crs, const RasterFrame& frame);
+
+    double latitude(double row) const; ///< [rad]
+    bool isBeyondPole(int row) const;
+    double east(double row) const;  ///< between columns [m]
+    double north(double row) const; ///< between rows, there [m]
+
+private:
+    MetresPerRadian metres(double row) const;
+
+    RasterFrame _frame;
+    double _radiansPerUnit, _semiMajor, _semiMinor;
+};
+
 /// What heights of a map are multiplied by, above the height in the middle of their range, so that
 /// one spacing of rows serves posts whose ground spacing differs: with a spacing twice too long,
 /// slopes are right on heights twice as high. Between posts p and q the tangent is then that of

@@ -8,7 +8,7 @@ namespace osgTerrainLight
 namespace
 {
 /// As DemTile::setHeight: no terrain of any body is higher [m].
-constexpr double highest = 1.0e6;
+constexpr double greatest = 1.0e6;
 } // namespace
 
 void HeightRange::add(double value)
@@ -29,7 +29,7 @@ bool HeightSurvey::areKilometres() const
 void HeightSurvey::add(double metres)
 {
     ++_count;
-    if (std::abs(metres) <= highest)
+    if (std::abs(metres) <= greatest)
         _heights.add(metres);
     // Half and one and a half radii hold the hills of the smallest bodies.
     if (_bodyRadius > 0.0 && metres >= 0.5 * _bodyRadius && metres <= 1.5 * _bodyRadius)

@@ -31,19 +31,13 @@ public:
     /// Taken as metres, since no unit was said: all lie within 1 % of the radius in kilometres, of
     /// another body than the Earth, whose mountains are as high as that.
     bool areKilometres() const;
-    bool isVoid(double metres) const
-    {
-        return !(metres >= values().lowest && metres <= values().highest);
-    }
+    /// Of a value that is no void [m].
+    double lowest() const { return values().lowest; }
+    double highest() const { return values().highest; }
     std::size_t heights() const { return values().count; }
     std::size_t voids() const { return _count - values().count; }
     /// What comes off a value [m].
     double radius() const { return areRadii() || areKilometres() ? _bodyRadius : 0.0; }
-    /// Above the radius, where there is one.
-    double heightOf(double metres) const
-    {
-        return (areKilometres() ? 1000.0 * metres : metres) - radius();
-    }
 
 private:
     const HeightRange& values() const { return areRadii() ? _radii : _heights; }

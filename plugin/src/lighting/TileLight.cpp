@@ -41,7 +41,20 @@ auto transportKey(const TileValues& values, int width, int height)
 
 TileLight::TileLight(const DemTile& tile, const LightingSettings& settings, const SkyLight& sky,
                      SkyViewDefinition definition)
-    : _tile(tile), _inputs(new TileInputs),
+    : TileLight(tile, nullptr, settings, sky, definition)
+{
+}
+
+TileLight::TileLight(std::shared_ptr<const TileWindows> windows, const LightingSettings& settings,
+                     const SkyLight& sky, SkyViewDefinition definition)
+    : TileLight(windows->tile, windows, settings, sky, definition)
+{
+}
+
+TileLight::TileLight(const DemTile& tile, std::shared_ptr<const TileWindows> windows,
+                     const LightingSettings& settings, const SkyLight& sky,
+                     SkyViewDefinition definition)
+    : _tile(tile), _windows(std::move(windows)), _inputs(new TileInputs),
       _shading(new Resource("shading", {tile.width(), tile.height(), 0, GL_RGBA16F_ARB})),
       _glossLight(new Resource("light of gloss",
                                {tile.width(), tile.height(), GlossWork::layers, GL_RGBA16F_ARB})),
@@ -235,13 +248,18 @@ void TileLight::declareMethod()
 {
     const TileInputs& now = *_inputs;
     const bool bySlices = now.bySlices();
-    const int frame = bySlices ? int(Slices::frame) : int(Legendre::frame);
+    const bool isSurrounded = _windows && bySlices;
+    const int frame = !bySlices      ? int(Legendre::frame)
+                      : isSurrounded ? TileSurface::frameOf(*_windows, Slices::frame)
+                                     : int(Slices::frame);
     const double radius = now.settings.bodyRadius;
     const bool changing = now.posts.valid();
     if (!_surface || frame != _surface->frame() || radius != _surface->bodyRadius() ||
         changing != _surface->isChanging())
     {
-        _surface = new TileSurface(_tile, frame, radius, changing);
+        assert(!_windows || !changing);
+        _surface = isSurrounded ? new TileSurface(_windows, frame, radius)
+                                : new TileSurface(_tile, frame, radius, changing);
         _heights = changing ? new FrameHeightsNode(now, *_surface) : nullptr;
     }
     _probe = nullptr;

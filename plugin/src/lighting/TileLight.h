@@ -12,6 +12,7 @@
 #include "gpu/WorkGraph.h"
 #include "lighting/TileInputs.h"
 #include "lighting/TileSurface.h"
+#include "lighting/TileWindows.h"
 #include "lighting/methods/Method.h"
 
 #include <osg/Referenced>
@@ -23,6 +24,7 @@
 
 #include <array>
 #include <functional>
+#include <memory>
 #include <set>
 #include <vector>
 
@@ -47,6 +49,10 @@ class TileLight : public osg::Referenced
 public:
     TileLight(const DemTile& tile, const LightingSettings& settings, const SkyLight& sky,
               SkyViewDefinition definition = SkyViewDefinition::Surface);
+    /// A tile lit by what surrounds it, too. Its heights stay as they are. The Legendre method and
+    /// gloss see nothing beyond the tile.
+    TileLight(std::shared_ptr<const TileWindows> windows, const LightingSettings& settings,
+              const SkyLight& sky, SkyViewDefinition definition = SkyViewDefinition::Surface);
 
     /// Horizons that the sun's stage computes per post: across its disc.
     static constexpr int sunAzimuths = 3;
@@ -154,7 +160,11 @@ private:
         }
     };
 
+    TileLight(const DemTile& tile, std::shared_ptr<const TileWindows> windows,
+              const LightingSettings& settings, const SkyLight& sky, SkyViewDefinition definition);
+
     const DemTile _tile;
+    const std::shared_ptr<const TileWindows> _windows; ///< null: nothing surrounds the tile
     mutable OpenThreads::Mutex _computing; ///< held while the graph runs; taken before _mutex
     mutable OpenThreads::Mutex _mutex;     ///< of _latest, _changes, and of writing _inputs
     TileValues _latest;

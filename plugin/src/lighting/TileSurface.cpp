@@ -1,10 +1,20 @@
 #include "lighting/TileSurface.h"
 
+#include "glsl_host.h"
 #include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace osgTerrainLight
 {
+
+namespace
+{
+constexpr int guard = 2; ///< void texels around posts, so that no read leaves them
+const float voidHeight = Glsl<float>::VOID_HEIGHT;
+} // namespace
 
 TileSurface::TileSurface(const DemTile& tile, int frame, double bodyRadius, bool changing)
     : _tile(tile), _frame(frame), _bodyRadius(bodyRadius), _isChanging(changing),
@@ -21,6 +31,142 @@ TileSurface::TileSurface(const DemTile& tile, int frame, double bodyRadius, bool
 {
     _heights->make();
     _eastSpacings->make();
+}
+
+TileSurface::TileSurface(std::shared_ptr<const TileWindows> windows, int frame, double bodyRadius)
+    : _windows(std::move(windows)), _tile(_windows->tile), _frame(frame), _bodyRadius(bodyRadius),
+      _isChanging(false),
+      _heights(own(new Resource("heights", [this] { return createHeights(); }))),
+      _eastSpacings(own(new Resource("east spacings",
+                                     [this]() -> osg::ref_ptr<osg::Texture>
+                                     { return createSpacingTexture(_tile); })))
+{
+    _heights->make();
+    _eastSpacings->make();
+    if (farLevels() == 0)
+        return;
+    layOut();
+    _far = own(new Resource("far heights", [this] { return createFar(); }));
+    _far->make();
+}
+
+int TileSurface::frameOf(const TileWindows& windows, int atLeast)
+{
+    const PostRect& near = windows.near;
+    const PostRect& tile = windows.place;
+    return std::max({atLeast, tile.column - near.column + guard, tile.row - near.row + guard,
+                     near.endColumn() - tile.endColumn() + guard,
+                     near.endRow() - tile.endRow() + guard});
+}
+
+/// Each level takes a strip of the texture, east and north side by side.
+void TileSurface::layOut()
+{
+    int top = 0;
+    for (const FarLevel& level : _windows->levels)
+    {
+        const int width = level.posts.width + 2 * guard;
+        _places.push_back({guard, top + guard, width + guard, top + guard});
+        _farWidth = std::max(_farWidth, 2 * width);
+        top += level.posts.height + 2 * guard;
+    }
+    _farHeight = std::max(1, top);
+}
+
+/// How far the ground of the planet lies below the plane that touches it in the middle of the whole
+/// terrain [m]. column, row: of it.
+double TileSurface::sinkAt(double column, double row, double eastSpacing) const
+{
+    if (!(_bodyRadius > 0.0))
+        return 0.0;
+    const double east = (column - 0.5 * _windows->lastColumn) * eastSpacing;
+    const double north = (row - 0.5 * _windows->lastRow) * _tile.northSpacing;
+    return (east * east + north * north) / (2.0 * _bodyRadius);
+}
+
+osg::ref_ptr<osg::Texture> TileSurface::createHeights() const
+{
+    const PostRect& near = _windows->near;
+    Raster<float> texels(width() + 2 * _frame, height() + 2 * _frame, voidHeight);
+    for (int row = 0; row < near.height; ++row)
+        for (int column = 0; column < near.width; ++column)
+        {
+            const float height = _windows->heights.at(column, row);
+            const double sink = sinkAt(near.column + column, near.row + row,
+                                       _windows->eastSpacings[static_cast<std::size_t>(row)]);
+            if (std::isfinite(height))
+                texels.at(near.column - _windows->place.column + column + _frame,
+                          near.row - _windows->place.row + row + _frame) =
+                    static_cast<float>(static_cast<double>(height) - sink);
+        }
+    return createFloatTexture(texels);
+}
+
+osg::ref_ptr<osg::Texture> TileSurface::createFar() const
+{
+    Raster<float> texels(_farWidth, _farHeight, voidHeight);
+    for (std::size_t l = 0; l < _places.size(); ++l)
+    {
+        const FarLevel& level = _windows->levels[l];
+        const double step = 1 << level.level;
+        for (int row = 0; row < level.posts.height; ++row)
+            for (int column = 0; column < level.posts.width; ++column)
+            {
+                const double sink =
+                    sinkAt(step * (level.posts.column + column), step * (level.posts.row + row),
+                           level.eastSpacings[static_cast<std::size_t>(row)]);
+                const auto sunk = [&](float height)
+                {
+                    return std::isfinite(height)
+                               ? static_cast<float>(static_cast<double>(height) - sink)
+                               : voidHeight;
+                };
+                const Place& place = _places[l];
+                texels.at(place.x + column, place.y + row) = sunk(level.heights[0].at(column, row));
+                texels.at(place.northX + column, place.northY + row) =
+                    sunk(level.heights[1].at(column, row));
+            }
+    }
+    return createFloatTexture(texels);
+}
+
+std::vector<std::string> TileSurface::farDefines() const
+{
+    return _windows ? std::vector<std::string>{"FAR_LEVELS " + std::to_string(farLevels())}
+                    : std::vector<std::string>{};
+}
+
+void TileSurface::bindFar(GpuPass& pass) const
+{
+    if (!_windows)
+        return;
+    // Rectangles of posts, the tile's level first; texels.
+    const int count = farLevels() + 1;
+    osg::ref_ptr<osg::Uniform> posts =
+        new osg::Uniform(osg::Uniform::INT_VEC4, "windowPosts", count);
+    osg::ref_ptr<osg::Uniform> texels =
+        new osg::Uniform(osg::Uniform::INT_VEC4, "windowTexels", count);
+    const auto set = [&](int level, const PostRect& rect, int step, const Place& place)
+    {
+        const int column = rect.column * step - _windows->place.column;
+        const int row = rect.row * step - _windows->place.row;
+        const auto i = static_cast<unsigned>(level);
+        posts->setElement(i, column, row, column + (rect.width - 1) * step,
+                          row + (rect.height - 1) * step);
+        texels->setElement(i, place.x, place.y, place.northX, place.northY);
+    };
+    const int x = _windows->near.column - _windows->place.column + _frame;
+    const int y = _windows->near.row - _windows->place.row + _frame;
+    set(0, _windows->near, 1, {x, y, x, y});
+    for (int level = 1; level < count; ++level)
+    {
+        const auto i = static_cast<std::size_t>(level - 1);
+        set(level, _windows->levels[i].posts, 1 << level, _places[i]);
+    }
+    pass.set(posts);
+    pass.set(texels);
+    if (_far)
+        pass.reads("farHeights", _far);
 }
 
 void TileSurface::bind(GpuPass& pass) const

@@ -3,17 +3,29 @@
 #include <osgTerrainLight/DemTile.h>
 
 #include "gpu/WorkGraph.h"
+#include "lighting/TileWindows.h"
+
+#include <memory>
+#include <string>
+#include <vector>
 
 namespace osgTerrainLight
 {
 
-/// Heights of one tile on the GPU, and the distances between its posts.
+/// Heights of one tile and of what surrounds it on the GPU, and the distances between its posts.
+///
+/// Texels of a tile with windows: post (0, 0) is at (frame, frame), as in a tile without, and the
+/// ring lies in the frame. Coarser levels stand in far(), each once per CrestAxis, with a void
+/// texel around it.
 class TileSurface : public GpuWork
 {
 public:
     /// frame: void posts on every side. bodyRadius [m]: as in LightingSettings. changing: a node
     /// writes the heights (FrameHeightsNode); else they are the tile's, for good.
     TileSurface(const DemTile& tile, int frame, double bodyRadius = 0.0, bool changing = false);
+    TileSurface(std::shared_ptr<const TileWindows> windows, int frame, double bodyRadius);
+    /// A frame that has room for the ring, and is at least as wide as asked.
+    static int frameOf(const TileWindows& windows, int atLeast);
 
     const DemTile& tile() const { return _tile; }
     int width() const { return _tile.width(); }
@@ -27,6 +39,15 @@ public:
     /// R32F [m], one texel per row (createSpacingTexture).
     Resource* eastSpacings() const { return _eastSpacings; }
 
+    /// Null where nothing surrounds the tile.
+    const TileWindows* windows() const { return _windows.get(); }
+    /// Coarser levels around the tile.
+    int farLevels() const { return _windows ? static_cast<int>(_windows->levels.size()) : 0; }
+    /// For passes whose lines come from beyond the tile: none where nothing surrounds it.
+    std::vector<std::string> farDefines() const;
+    /// Sets what shaders/lib/far.glsl has uniforms for.
+    void bindFar(GpuPass& pass) const;
+
     /// Sets heights, eastSpacings, northSpacing, size and frame, as all passes name them.
     void bind(GpuPass& pass) const;
     /// Groups of 8 x 8 that cover the posts, or one of every stride x stride.
@@ -37,11 +58,25 @@ public:
 private:
     ~TileSurface() override = default;
 
+    /// Where a level stands in far().
+    struct Place
+    {
+        int x = 0, y = 0, northX = 0, northY = 0; ///< of its first post, by CrestAxis
+    };
+    void layOut();
+    double sinkAt(double column, double row, double eastSpacing) const;
+    osg::ref_ptr<osg::Texture> createHeights() const;
+    osg::ref_ptr<osg::Texture> createFar() const;
+
+    const std::shared_ptr<const TileWindows> _windows;
     const DemTile _tile;
     const int _frame;
     const double _bodyRadius;
     const bool _isChanging;
+    std::vector<Place> _places; ///< by level, of windows
+    int _farWidth = 1, _farHeight = 1;
     Resource *_heights, *_eastSpacings;
+    Resource* _far = nullptr; ///< R32F [m above the tile's heightOrigin]
 };
 
 } // namespace osgTerrainLight

@@ -24,7 +24,9 @@ struct FarLevel
 {
     int level = 1;  ///< its posts are 2^level posts of the tile's level apart
     PostRect posts; ///< of it, in the whole terrain
-    std::array<Raster<float>, 2> heights; ///< by CrestAxis [m above the tile's heightOrigin], NaN void
+    std::array<Raster<float>, 2>
+        heights;                      ///< by CrestAxis [m above the tile's heightOrigin], NaN void
+    std::vector<double> eastSpacings; ///< of its rows [m], of posts of the tile's level
 };
 
 /// A tile and the terrain around it: nested windows, near at the tile's own resolution, far at
@@ -32,17 +34,16 @@ struct FarLevel
 struct TileWindows
 {
     DemTile tile;
-    PostRect place; ///< of the tile in the whole terrain, in posts of its level
-    PostRect whole; ///< what is lit as one terrain: a planet's ground sinks from its middle
-    PostRect near;  ///< the tile and its ring, clipped to what may be valid
-    Raster<float> heights;            ///< of `near` [m above the tile's heightOrigin], NaN void
+    PostRect place;             ///< of the tile in the whole terrain, in posts of its level
+    double lastColumn, lastRow; ///< of the terrain that is lit as one, from (0, 0), in such posts
+    PostRect near;              ///< the tile and its ring, clipped to what may be valid
+    Raster<float> heights;      ///< of `near` [m above the tile's heightOrigin], NaN void
     std::vector<double> eastSpacings; ///< of the rows of `near` [m]
     std::vector<FarLevel> levels;     ///< finest first; each reaches beyond the one before
 };
 
 /// Reads a tile of a level's posts: level 0's are the terrain itself. Fails where the source does.
-Result<std::shared_ptr<const TileWindows>> readWindows(TileSource& source, int level,
-                                                       const PostRect& tile,
-                                                       const WindowScheme& scheme = {});
+Result<std::shared_ptr<const TileWindows>>
+readWindows(TileSource& source, int level, const PostRect& tile, const WindowScheme& scheme = {});
 
 } // namespace osgTerrainLight

@@ -52,7 +52,7 @@ HorizonNode::HorizonNode(const std::string& name, const TileSurface& surface,
       _dropped(own(new Resource("dropped vertices", {1, 1, 0, GL_R32UI}))),
       _stepLengths(own(new Resource("step lengths"))), _near(own(new GpuPass("horizon_near")))
 {
-    assert(surface.frame() == frame && scheme.reach + 20 <= frame);
+    assert(surface.frame() >= frame && scheme.reach + 20 <= frame);
     reads(surface.heights());
     for (int parity = 0; parity < scheme.linesAsked; ++parity)
     {
@@ -61,6 +61,8 @@ HorizonNode::HorizonNode(const std::string& name, const TileSurface& surface,
                                             "PARITY " + std::to_string(parity)};
         if (scheme.linesPerPost > 1)
             defines.push_back("DENSE");
+        for (const std::string& define : surface.farDefines())
+            defines.push_back(define);
         _sweeps.push_back(own(new GpuPass("horizon_sweep", defines)));
     }
     std::vector<GpuPass*> passes = _sweeps;
@@ -76,6 +78,7 @@ HorizonNode::HorizonNode(const std::string& name, const TileSurface& surface,
     {
         sweep->set("linesPerPost", scheme.linesPerPost);
         sweep->writes(1, _dropped, GpuPass::Access::ReadWrite);
+        surface.bindFar(*sweep);
     }
 }
 
@@ -89,7 +92,23 @@ int HorizonNode::linesOf(const GridDirection& grid) const
     const int steps = grid.north ? _surface->height() : _surface->width();
     const int breadth = grid.north ? _surface->width() : _surface->height();
     const double lines = _scheme.linesPerPost * (breadth + std::abs(grid.drift) * steps);
-    return 2 + static_cast<int>(lines);
+    return 2 + static_cast<int>(lines) + (_surface->windows() ? 1 : 0);
+}
+
+/// How far lines are moved along the minor axis, so that they are the same lines in all tiles of a
+/// terrain, those of the whole lit as one tile [posts].
+double HorizonNode::shiftOf(const GridDirection& grid) const
+{
+    const TileWindows* windows = _surface->windows();
+    if (!windows)
+        return 0.0;
+    const double drift = std::max(grid.drift, 0.0);
+    const double whole = grid.north ? windows->lastRow : windows->lastColumn;
+    const int steps = grid.north ? _surface->height() : _surface->width();
+    const int first = grid.north ? windows->place.row : windows->place.column;
+    const double between = 1.0 / _scheme.linesPerPost;
+    const double shift = drift * (whole - (steps - 1)) - grid.drift * first;
+    return shift - between * std::floor(shift / between);
 }
 
 /// Takes up the directions.
@@ -106,8 +125,9 @@ void HorizonNode::aim()
     {
         const GridDirection grid(tile, wanted[i]);
         table[i].set(static_cast<float>(grid.drift), static_cast<float>(grid.look),
-                     grid.north ? 1.0f : 0.0f, static_cast<float>(i));
+                     grid.north ? 1.0f : 0.0f, static_cast<float>(shiftOf(grid)));
         _directions.push_back(table[i]);
+        _directions.back().w() = static_cast<float>(i);
         _maxLines = std::max(_maxLines, linesOf(grid));
         for (int row = 0; row < tile.height(); ++row)
             lengths.at(static_cast<int>(i), row) =

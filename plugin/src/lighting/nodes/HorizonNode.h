@@ -37,8 +37,8 @@ class HorizonNode : public Node
 public:
     using Directions = std::function<std::vector<MapDirection>()>;
 
-    /// Width of the void frame that the heights must have: the longest near field, and what a block
-    /// of it and the sweep read beyond.
+    /// Width of the frame that the heights must have, void or of terrain around the tile: the
+    /// longest near field, and what a block of it and the sweep read beyond.
     static constexpr int frame = 64 + 20;
 
     /// directions: asked at each run for as many as there are, at most 256.
@@ -69,6 +69,7 @@ private:
                                  int directionCount);
     void aim();
     int linesOf(const GridDirection& grid) const;
+    double shiftOf(const GridDirection& grid) const;
 
     osg::ref_ptr<const TileSurface> _surface;
     HorizonScheme _scheme;

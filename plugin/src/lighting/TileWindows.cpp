@@ -1,0 +1,135 @@
+#include "lighting/TileWindows.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace osgTerrainLight
+{
+namespace
+{
+
+int floorDivided(int value, int by)
+{
+    return value >= 0 ? value / by : -((-value + by - 1) / by);
+}
+
+int ceilDivided(int value, int by)
+{
+    return -floorDivided(-value, by);
+}
+
+/// Posts of a level `step` times coarser that span a rectangle, and `ring` more on every side.
+PostRect coarser(const PostRect& posts, int step, int ring)
+{
+    PostRect result;
+    result.column = floorDivided(posts.column, step) - ring;
+    result.row = floorDivided(posts.row, step) - ring;
+    result.width = ceilDivided(posts.endColumn() - 1, step) + ring + 1 - result.column;
+    result.height = ceilDivided(posts.endRow() - 1, step) + ring + 1 - result.row;
+    return result;
+}
+
+/// What a rectangle of a level that is `step` times coarser spans.
+PostRect spanned(const PostRect& posts, int step)
+{
+    return {posts.column * step, posts.row * step, (posts.width - 1) * step + 1,
+            (posts.height - 1) * step + 1};
+}
+
+bool contains(const PostRect& outer, const PostRect& inner)
+{
+    return inner.column >= outer.column && inner.row >= outer.row &&
+           inner.endColumn() <= outer.endColumn() && inner.endRow() <= outer.endRow();
+}
+
+/// East spacings of a level's rows, of posts of level `unit` apart.
+std::vector<double> spacingsOf(const TileSource& source, int level, int unit, const PostRect& posts)
+{
+    std::vector<double> spacings;
+    for (int row = posts.row; row < posts.endRow(); ++row)
+        spacings.push_back(source.eastSpacing(row * (1 << level)) * (1 << unit));
+    return spacings;
+}
+
+/// Heights of a tile's own level.
+Result<Raster<float>> readOwn(TileSource& source, int level, const PostRect& posts)
+{
+    if (level == 0)
+        return source.readPosts(posts);
+    Result<Raster<float>> east = source.readLevel(level, CrestAxis::East, posts);
+    if (!east)
+        return east;
+    const Result<Raster<float>> north = source.readLevel(level, CrestAxis::North, posts);
+    if (!north)
+        return north;
+    for (std::size_t i = 0; i < east->size(); ++i)
+        east->values()[i] = 0.5f * (east->values()[i] + north->values()[i]);
+    return east;
+}
+
+DemTile tileOf(const TileSource& source, int level, const TileWindows& windows)
+{
+    const PostRect& place = windows.place;
+    const double step = 1 << level;
+    DemTile tile(place.width, place.height, source.northSpacing() * step);
+    tile.heightOrigin = source.heightOrigin();
+    tile.eastSpacings = spacingsOf(source, level, level, place);
+    const double first = tile.eastSpacings.front();
+    if (std::all_of(tile.eastSpacings.begin(), tile.eastSpacings.end(),
+                    [first](double spacing) { return spacing == first; }))
+        tile.eastSpacings = {first};
+    for (int row = 0; row < place.height; ++row)
+        for (int column = 0; column < place.width; ++column)
+            tile.setHeight(column, row,
+                           windows.heights.at(place.column - windows.near.column + column,
+                                              place.row - windows.near.row + row));
+    return tile;
+}
+
+} // namespace
+
+Result<std::shared_ptr<const TileWindows>>
+readWindows(TileSource& source, int level, const PostRect& tile, const WindowScheme& scheme)
+{
+    assert(!tile.empty() && level >= 0 && level <= source.lastLevel());
+    auto windows = std::make_shared<TileWindows>();
+    const PostRect extent = source.extent(level);
+    windows->place = tile;
+    windows->lastColumn = std::ldexp(source.width() - 1, -level);
+    windows->lastRow = std::ldexp(source.height() - 1, -level);
+    // The tile itself, where it reaches beyond what may be valid too.
+    PostRect& near = windows->near;
+    near = tile.grownBy(scheme.ring).clippedTo(extent);
+    const PostRect both = {std::min(near.column, tile.column), std::min(near.row, tile.row), 0, 0};
+    near = {both.column, both.row, std::max(near.endColumn(), tile.endColumn()) - both.column,
+            std::max(near.endRow(), tile.endRow()) - both.row};
+    Result<Raster<float>> heights = readOwn(source, level, near);
+    if (!heights)
+        return heights.error();
+    windows->heights = std::move(*heights);
+    windows->eastSpacings = spacingsOf(source, level, level, near);
+    windows->tile = tileOf(source, level, *windows);
+
+    PostRect covered = near; // in posts of the tile's level
+    for (int far = level + 1; far <= source.lastLevel() && !contains(covered, extent); ++far)
+    {
+        const int step = 1 << (far - level);
+        FarLevel made;
+        made.level = far - level;
+        made.posts = coarser(covered, step, scheme.farRing).clippedTo(source.extent(far));
+        for (const CrestAxis axis : {CrestAxis::East, CrestAxis::North})
+        {
+            Result<Raster<float>> read = source.readLevel(far, axis, made.posts);
+            if (!read)
+                return read.error();
+            made.heights[axis == CrestAxis::East ? 0 : 1] = std::move(*read);
+        }
+        made.eastSpacings = spacingsOf(source, far, level, made.posts);
+        covered = spanned(made.posts, step);
+        windows->levels.push_back(std::move(made));
+    }
+    return std::shared_ptr<const TileWindows>(windows);
+}
+
+} // namespace osgTerrainLight
