@@ -43,11 +43,12 @@ void addExtentOptions(CLI::App& app, ExtentOptions& extent, bool jobs)
     addLimitedNumbers(
         app, "--window-size", "POSTS",
         {{"window size", WindowGrid::unit, WindowGrid::mostPosts, true}},
-        "For tests: side of the windows, rounded up to a multiple of 64; default by --memory",
+        "For tests: side of the windows, rounded down to a multiple of 64; default by --memory",
         [&extent](const auto& v) { extent.windowSize = static_cast<int>(v[0]); });
     app.add_option("--cache", extent.cache,
-                   "Folder for the coarse levels of INPUT; default beside INPUT, or beside OUTPUT "
-                   "where that is not possible")
+                   "Folder for coarse levels of terrain; default $OSGTERRAINLIGHT_CACHE, else "
+                   "beside each raster")
+        ->envname("OSGTERRAINLIGHT_CACHE")
         ->type_name("DIR");
     if (!jobs)
         return;

@@ -17,9 +17,8 @@ Raster<float> bandOf(const HorizonMap& map, int azimuth, const TileWindows& terr
 {
     const DemTile& tile = terrain.tile;
     const PostRect& place = terrain.place;
-    const PostRect& whole = terrain.whole;
-    const double middleColumn = whole.column - place.column + 0.5 * (whole.width - 1);
-    const double middleRow = whole.row - place.row + 0.5 * (whole.height - 1);
+    const double middleColumn = 0.5 * terrain.lastColumn - place.column;
+    const double middleRow = 0.5 * terrain.lastRow - place.row;
     constexpr double degreesPerRadian = 180.0 / 3.14159265358979323846;
     const MapDirection direction = AzimuthSet(map.azimuthCount()).direction(azimuth);
     Raster<float> values(map.width(), map.height(), std::numeric_limits<float>::quiet_NaN());

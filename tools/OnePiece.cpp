@@ -106,19 +106,12 @@ Result<Setup> prepare(const RasterOptions& options, const Product& product)
     return setup;
 }
 
-/// Whether memory and textures suffice for all at once, and nobody wants it otherwise.
 bool isOnePiece(const RasterOptions& options, const Product& product, const Setup& setup)
 {
     const PixelWindow& part = setup.info.window;
-    const int longest = std::max(part.width, part.height);
-    constexpr int mostTexels = 16384; // that any OpenGL 4.3 has
-    const ExtentOptions& extent = options.extent;
-    if (extent.job || Parts::exist(options.output.path) ||
-        (extent.windowSize > 0 && longest > extent.windowSize))
-        return false;
-    return longest <= mostTexels - 2 * HorizonNode::frame &&
-           runBytes(part.width, part.height, setup.settings,
-                    static_cast<int>(product.bands.size())) <= extent.memory;
+    return !options.extent.job && !Parts::exist(options.output.path) &&
+           fitsInOnePiece(part.width, part.height, setup.settings,
+                          static_cast<int>(product.bands.size()), options.extent);
 }
 
 /// notes: what only the heights could tell.
@@ -143,11 +136,11 @@ Status read(LitTile& lit, const RasterOptions& options, const Setup& setup, Prog
     }
     else
     {
-        Result<std::unique_ptr<Terrain>> terrain = Terrain::open(options, info, fraction);
+        Result<std::unique_ptr<RasterSource>> terrain = openTerrain(options, fraction);
         if (!terrain)
             return terrain.error();
         Result<std::shared_ptr<const TileWindows>> tile =
-            (*terrain)->read({0, 0, info.window.width, info.window.height});
+            readWindows(**terrain, 0, {0, 0, info.window.width, info.window.height});
         if (!tile)
             return tile.error();
         lit.terrain = *tile;

@@ -37,7 +37,7 @@ osg::ref_ptr<TileLight> LitTile::newLight(const LightingSettings& with, const Sk
                                           SkyViewDefinition definition) const
 {
     return isAlone ? osg::ref_ptr<TileLight>(new TileLight(tile(), with, sky, definition))
-                   : tool::newLight(terrain, with, sky, definition);
+                   : osg::ref_ptr<TileLight>(new TileLight(terrain, with, sky, definition));
 }
 
 void LitTile::release()
@@ -262,7 +262,7 @@ LitTile tileFor(const RasterOptions& options, const Setup& setup, std::shared_pt
     lit.read = options.read;
     lit.settings = setup.settings;
     lit.gpu = std::move(gpu);
-    lit.isAlone = !Terrain::isSeen(options, setup.info);
+    lit.isAlone = !seesOutside(options, setup.info);
     if (!options.extent.surroundings.empty())
         add(lit.extent, "SURROUNDINGS", CLI::detail::join(options.extent.surroundings, ","));
     if (options.extent.isolated)

@@ -186,9 +186,9 @@ private:
         if (!gpu)
             return gpu.error();
         _gpu = std::make_shared<Gpu>(std::move(*gpu));
-        Result<std::unique_ptr<Terrain>> terrain = Terrain::open(
-            _options, _setup.info,
-            [this](double done) { say("coarse levels of the terrain, " + percent(done)); });
+        Result<std::unique_ptr<RasterSource>> terrain =
+            openTerrain(_options, [this](double done)
+                        { say("coarse levels of the terrain, " + percent(done)); });
         if (!terrain)
             return terrain.error();
         _terrain = std::move(*terrain);
@@ -203,7 +203,8 @@ private:
         const PixelWindow pixels = _grid->at(index, marginOf(_setup.settings));
         LitTile lit = tileFor(_options, _setup, _gpu);
         lit.isAlone = false;
-        Result<std::shared_ptr<const TileWindows>> terrain = _terrain->read(pixels);
+        Result<std::shared_ptr<const TileWindows>> terrain =
+            readWindows(*_terrain, 0, postsOf(pixels, _setup.info.frame));
         if (!terrain)
             return terrain.error();
         lit.terrain = *terrain;
@@ -363,7 +364,7 @@ private:
     std::optional<WindowGrid> _grid;
     std::optional<SettingsChoice> _choice;
     std::shared_ptr<Gpu> _gpu;
-    std::unique_ptr<Terrain> _terrain;
+    std::unique_ptr<RasterSource> _terrain;
     // Of this run.
     double _posts = 0.0, _seconds = 0.0;
     int _azimuths = 0;

@@ -1,6 +1,7 @@
 #include "Windows.h"
 
 #include "lighting/TileLight.h"
+#include "lighting/TileWindows.h"
 #include "lighting/nodes/HorizonNode.h"
 
 #include <cpl_vsi.h>
@@ -79,8 +80,7 @@ DemInfo infoOf(const PixelWindow& pixels, const DemInfo& info)
 int marginOf(const LightingSettings& settings)
 {
     constexpr int litGround = 64; // beyond it ground sends little that its coarser levels do not
-    constexpr int standIn = 128;  // until tiles see beyond themselves
-    return std::max(standIn, settings.bounces > 0 ? litGround : 0);
+    return settings.bounces > 0 ? litGround : 0;
 }
 
 double defaultMemory()
@@ -107,11 +107,23 @@ TileBytes::TileBytes(int width, int height, const LightingSettings& settings)
 double runBytes(int width, int height, const LightingSettings& settings, int bands)
 {
     const double posts = double(width) * height;
-    const double terrain = 3.0 * 4.0 * double(width + 256) * (height + 256);
+    // A ring of the tile's own posts, and coarser levels: in memory, and as a texture.
+    const double terrain =
+        3.0 * 4.0 * double(width + 2 * WindowScheme().ring) * (height + 2 * WindowScheme().ring);
     // Heights and validity; light or a map and a band of it as they are read back and written.
     const double readBack =
         (5.0 + 16.0 + 3.0 * 4.0) * posts + (bands > 4 ? 4.0 * bands * posts : 0.0);
     return baseBytes + TileBytes(width, height, settings).all() + terrain + readBack;
+}
+
+bool fitsInOnePiece(int width, int height, const LightingSettings& settings, int bands,
+                    const ExtentOptions& extent)
+{
+    constexpr int mostTexels = 16384;
+    const int longest = std::max(width, height);
+    return longest <= mostTexels - 2 * HorizonNode::frame &&
+           (extent.windowSize == 0 || longest <= extent.windowSize) &&
+           runBytes(width, height, settings, bands) <= extent.memory;
 }
 
 int windowSide(double memory, const LightingSettings& settings, int bands)

@@ -2,6 +2,7 @@
 
 #include <osgTerrainLight/LightingSettings.h>
 
+#include "Options.h"
 #include "core/PostRect.h"
 #include "io/DemReader.h"
 #include "io/RasterFrame.h"
@@ -63,6 +64,9 @@ struct TileBytes
 /// Bytes that lighting a tile takes at its peak: textures, since with software OpenGL they are in
 /// the same memory, what is read back from them, and the terrain around. bands: of the result.
 double runBytes(int width, int height, const LightingSettings& settings, int bands);
+/// Whether memory and the textures of any OpenGL 4.3 suffice for all at once.
+bool fitsInOnePiece(int width, int height, const LightingSettings& settings, int bands,
+                    const ExtentOptions& extent);
 /// The side of windows that fit into so many bytes, a multiple of WindowGrid::unit.
 int windowSide(double memory, const LightingSettings& settings, int bands);
 
