@@ -273,6 +273,9 @@ private:
         for (int index = 0; index < count; ++index)
             if ((!job || index % job->count == job->index - 1) && !_parts->has(index))
                 missing.push_back(index);
+        if (!missing.empty())
+            if (Status equipped = equip(); !equipped)
+                return equipped;
         const int there = _parts->count(count);
         const auto start = Clock::now();
         const std::size_t all = missing.size();

@@ -201,7 +201,65 @@ TEST_F(Windows, FormatsAndTheirDefaults)
     EXPECT_EQ(structure(lzw, "COMPRESSION"), "LZW");
     EXPECT_EQ(lzw.bands, tiff.bands);
     ASSERT_EQ(run("svf d.tif a.asc" + options).status, 0) << "a format that can only copy";
-    EXPECT_EQ(left(), (std::set<std::string>{"d.tif", "o.tif", "c.tif", "l.tif", "a.asc"}));
+    EXPECT_EQ(left(), (std::set<std::string>{"d.tif", "o.tif", "c.tif", "l.tif", "a.asc",
+                                             "a.asc.aux.xml"}));
+}
+
+// What is lit of a raster sees the rest of it, in one piece as in windows, unless told not to.
+TEST_F(Windows, APartSeesTheTerrainOutside)
+{
+    const std::string options = " -srcwin 60 90 40 50 --azimuths 8 -q" + draft;
+    ASSERT_EQ(run("svf d.tif whole.tif --azimuths 8 -q" + draft).status, 0);
+    ASSERT_EQ(run("svf d.tif part.tif" + options).status, 0);
+    ASSERT_EQ(run("svf d.tif alone.tif --isolated" + options).status, 0);
+    const ReadRaster whole(path("whole.tif"));
+    const ReadRaster part(path("part.tif"));
+    const ReadRaster alone(path("alone.tif"));
+    EXPECT_EQ(alone.metadata("TERRAINLIGHT_ISOLATED"), "YES");
+    int seeing = 0;
+    int blind = 0;
+    for (int row = 0; row < 50; ++row)
+        for (int column = 0; column < 40; ++column)
+        {
+            const float expected = whole.at(1, 60 + column, 90 + row);
+            seeing += std::abs(part.at(1, column, row) - expected) > 2e-3f;
+            blind += std::abs(alone.at(1, column, row) - expected) > 2e-3f;
+        }
+    EXPECT_LT(seeing, 20) << "of 2000 posts";
+    EXPECT_GT(blind, 200);
+    ASSERT_EQ(run("svf d.tif same.tif --window 60 90 40 50 --azimuths 8 -q" + draft).status, 0);
+    EXPECT_EQ(ReadRaster(path("same.tif")).bands, part.bands);
+}
+
+// A wall that only a second raster knows.
+TEST_F(Windows, SurroundingsCastShadows)
+{
+    writeRaster("plain.tif", 40, 40, std::vector<float>(1600, 100.0f), {3000, 30, 0, 9000, 0, -30});
+    std::vector<float> wall(60 * 60, 100.0f);
+    for (int row = 0; row < 60; ++row)
+        for (int column = 0; column < 4; ++column)
+            wall[static_cast<std::size_t>(row * 60 + column)] = 1500.0f;
+    writeRaster("wide.tif", 60, 60, wall, {1500, 60, 0, 10500, 0, -60});
+    const std::string sun = " --sun 270,20 -q" + draft;
+    ASSERT_EQ(run("shadow plain.tif open.tif" + sun).status, 0);
+    const ToolRun result = run("shadow plain.tif shaded.tif --surroundings wide.tif" + sun);
+    ASSERT_EQ(result.status, 0) << result.err;
+    const ReadRaster shaded(path("shaded.tif"));
+    EXPECT_EQ(ReadRaster(path("open.tif")).at(1, 5, 20), 1.0f);
+    EXPECT_EQ(shaded.at(1, 5, 20), 0.0f);
+    EXPECT_EQ(shaded.metadata("TERRAINLIGHT_SURROUNDINGS"), "wide.tif");
+}
+
+TEST_F(Windows, InfoSaysWhatItTakes)
+{
+    const ToolRun small = run("info d.tif --azimuths 8");
+    EXPECT_EQ(small.status, 0) << small.err;
+    EXPECT_NE(small.out.find("none: in one piece"), std::string::npos) << small.out;
+    const ToolRun many = run("info d.tif --azimuths 8 --window-size 64");
+    EXPECT_EQ(many.status, 0) << many.err;
+    EXPECT_NE(many.out.find("12 of at most 64 x 64 posts"), std::string::npos) << many.out;
+    for (const char* name : {"Memory: ", "Disk for windows: ", "Disk for levels: ", "Time: "})
+        EXPECT_NE(many.out.find(name), std::string::npos) << name;
 }
 
 // A small raster has no windows; little memory gives more of them.
