@@ -29,7 +29,8 @@ for turn in $(seq 1 40); do
   [[ $kills -lt 10 ]] || break
   head -n 1 out.txt
 done
-"$tool" "${lit[@]}" killed.tif --window-size 256 2>/dev/null | head -n 1
+"$tool" "${lit[@]}" killed.tif --window-size 256 >out.txt 2>/dev/null
+head -n 1 out.txt
 cmp whole.tif killed.tif
 echo "killed $kills times: equal byte for byte"
 [[ $(find . -maxdepth 1 -name '.*windows*' | wc -l) -eq 0 ]]
