@@ -101,8 +101,11 @@ Result<Setup> prepare(const RasterOptions& options, const Product& product)
         return Error{radius.error().code, path + ": " + radius.error().message};
     sayNotes(path, info->notes, 0);
     hintAtCurvature(options, *info);
-    Setup setup = {*info, options.settings};
+    Setup setup = {*info, options.settings, options.settings};
     setup.settings.bodyRadius = *radius;
+    const SkyLight& sky = product.sky;
+    if (!sky.skyEnabled && sky.keyLights.empty() && options.settings.bounces == 0)
+        setup.costs.azimuths = TileLight::sunAzimuths + 1; // the sun's are all that there are
     return setup;
 }
 
@@ -110,7 +113,7 @@ bool isOnePiece(const RasterOptions& options, const Product& product, const Setu
 {
     const PixelWindow& part = setup.info.window;
     return !options.extent.job && !Parts::exist(options.output.path) &&
-           fitsInOnePiece(part.width, part.height, setup.settings,
+           fitsInOnePiece(part.width, part.height, setup.costs,
                           static_cast<int>(product.bands.size()), options.extent);
 }
 

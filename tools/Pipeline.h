@@ -116,6 +116,7 @@ struct Setup
 {
     DemInfo info;              ///< of the part that is lit
     LightingSettings settings; ///< with the planet's radius
+    LightingSettings costs;    ///< the same, for what memory it takes
 };
 
 /// Lights a DEM, in one piece or in windows, and writes the result.

@@ -119,7 +119,7 @@ private:
         const int bands = static_cast<int>(_product.bands.size());
         const int side = _options.extent.windowSize > 0
                              ? _options.extent.windowSize
-                             : windowSide(_options.extent.memory, _setup.settings, bands);
+                             : windowSide(_options.extent.memory, _setup.costs, bands);
         Lines decided = {{"window size", std::to_string(side)}};
         if (!_options.maxError && !_options.maxMilliseconds)
             return decided;
