@@ -20,7 +20,8 @@ ALLOWED = {
     "public": {"values", "public", "std"},
     "public with OSG": {"values", "public", "std", "osg"},
     "core": {"core", "values", "glsl_host", "std", "glm", "erfa"},  # erfa: the sun's place, plain maths
-    "io": {"io", "core", "values", "std", "glm", "gdal", "openexr", "pugixml"},
+    # posix: a file that is put in place has reached its disk (fsync).
+    "io": {"io", "core", "values", "std", "glm", "gdal", "openexr", "pugixml", "posix"},
     "gpu": {"gpu", "plugin/include/osgTerrainLight/HeadlessContext.h", "core", "values", "glsl_host", "std", "glm", "osg", "gl"},
     "lighting": {"lighting", "plugin/include/osgTerrainLight/HeadlessContext.h", "gpu", "core", "values", "glsl_host", "std", "glm", "osg", "gl"},
     "scene": {"scene", "lighting", "gpu", "io", "core", "values", "public", "glsl_host",
@@ -42,7 +43,7 @@ ALLOWED = {
 
 FAMILIES = [
     ("std", r"[a-z_]+"),
-    ("posix", r"(unistd|dlfcn|sys/\w+)\.h"),
+    ("posix", r"(fcntl|unistd|dlfcn|sys/\w+)\.h"),
     ("glm", r"glm/.+"),
     ("osg", r"(osg\w*|OpenThreads)/.+"),
     ("gl", r"(GL|GLES\d?|EGL|KHR)/.+"),

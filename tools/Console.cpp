@@ -3,10 +3,16 @@
 #include <cpl_conv.h>
 #include <gdal_priv.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <iostream>
+#include <utility>
+
+#include <unistd.h>
 
 namespace osgTerrainLight::tool
 {
@@ -85,6 +91,86 @@ void Progress::reach(double fraction)
         return;
     _reached = std::min(fraction, 1.0);
     GDALTermProgress(_reached, nullptr, nullptr);
+}
+
+std::string timeLeft(double seconds)
+{
+    const double minutes = std::ceil(seconds / 60.0);
+    if (seconds < 1.0)
+        return "about 1 s left";
+    if (seconds < 60.0)
+        return CPLSPrintf("about %.0f s left", seconds);
+    if (minutes < 100.0)
+        return CPLSPrintf("about %.0f min left", minutes);
+    return CPLSPrintf("about %.1f h left", minutes / 60.0);
+}
+
+ProgressLines::ProgressLines(bool quiet) : _quiet(quiet), _isTerminal(isatty(STDOUT_FILENO) == 1) {}
+
+ProgressLines::~ProgressLines()
+{
+    if (_width > 0)
+        std::cout << std::endl;
+}
+
+void ProgressLines::say(const std::string& line, bool mustBeSeen)
+{
+    constexpr std::chrono::seconds pause{3};
+    const auto now = std::chrono::steady_clock::now();
+    if (_quiet || (!_isTerminal && !mustBeSeen && now - _last < pause))
+        return;
+    _last = now;
+    if (!_isTerminal)
+    {
+        std::cout << line << std::endl;
+        return;
+    }
+    const std::size_t before = std::exchange(_width, line.size());
+    std::cout << '\r' << line << std::string(std::max(before, _width) - _width, ' ') << std::flush;
+}
+
+namespace
+{
+
+constexpr std::array<int, 4> endings = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
+/// Two, so that a signal never meets one that is being written.
+std::array<std::array<char, 1024>, 2> lastWords;
+volatile std::sig_atomic_t currentWords = 0;
+
+void sayLastWords(int signal)
+{
+    const auto& words = lastWords[static_cast<std::size_t>(currentWords)];
+    const ssize_t written = write(STDERR_FILENO, words.data(), std::strlen(words.data()));
+    static_cast<void>(written);
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);
+}
+
+} // namespace
+
+LastWords::LastWords()
+{
+    set("");
+    for (const int signal : endings)
+        if (std::signal(signal, sayLastWords) == SIG_IGN)
+            std::signal(signal, SIG_IGN);
+}
+
+LastWords::~LastWords()
+{
+    for (const int signal : endings)
+        if (std::signal(signal, SIG_DFL) == SIG_IGN)
+            std::signal(signal, SIG_IGN);
+}
+
+void LastWords::set(const std::string& sentence)
+{
+    auto& words = lastWords[static_cast<std::size_t>(1 - currentWords)];
+    const std::string line =
+        sentence.empty() ? "" : "terrainlight: " + sentence.substr(0, words.size() - 20) + "\n";
+    std::copy(line.begin(), line.end(), words.begin());
+    words[line.size()] = '\0';
+    currentWords = 1 - currentWords;
 }
 
 DeferredSignals::DeferredSignals()

@@ -4,6 +4,8 @@
 
 #include "core/Result.h"
 
+#include <chrono>
+#include <cstddef>
 #include <string>
 
 /// What the tool says to people: messages, progress, and signals that wait for a file.
@@ -30,6 +32,37 @@ public:
 private:
     bool _quiet;
     double _reached = -1.0;
+};
+
+/// "about 3 min left"; seconds ≥ 0.
+std::string timeLeft(double seconds);
+
+/// Lines of a run that takes long. On a terminal each stands in the place of the one before;
+/// elsewhere one comes every few seconds at most, but for those that must be seen.
+class ProgressLines
+{
+public:
+    explicit ProgressLines(bool quiet);
+    ~ProgressLines();
+    ProgressLines(const ProgressLines&) = delete;
+    ProgressLines& operator=(const ProgressLines&) = delete;
+    void say(const std::string& line, bool mustBeSeen = false);
+
+private:
+    bool _quiet, _isTerminal;
+    std::size_t _width = 0; ///< of the line that stands on the terminal
+    std::chrono::steady_clock::time_point _last;
+};
+
+/// While one lives, a signal that people or batch systems end programs with says a sentence first.
+class LastWords
+{
+public:
+    LastWords();
+    ~LastWords();
+    LastWords(const LastWords&) = delete;
+    LastWords& operator=(const LastWords&) = delete;
+    void set(const std::string& sentence);
 };
 
 /// While one lives, every signal that would end the program waits: a file being written is removed

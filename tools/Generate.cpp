@@ -51,8 +51,9 @@ Status run(const Options& options)
                 static_cast<float>(tile->heightOrigin + static_cast<double>(tile->heights()[i]));
         return values;
     };
+    const auto fraction = [&progress](double done) { progress.reach(0.8 + 0.2 * done); };
     if (Status written = writeBands(options.output, frame, {{options.kind + " terrain", "m"}},
-                                    metadata, progress, heights);
+                                    metadata, heights, fraction);
         !written)
         return written;
     progress.reach(1.0);

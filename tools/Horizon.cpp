@@ -10,10 +10,15 @@ namespace osgTerrainLight::tool
 namespace
 {
 
-/// Above each post's own horizontal: on a planet it is not the one of the tile's middle, to which
-/// the map refers.
-Raster<float> bandOf(const HorizonMap& map, int azimuth, const DemTile& tile, double bodyRadius)
+/// Above each post's own horizontal: on a planet it is not the one of the middle of all that is
+/// lit, to which the map refers.
+Raster<float> bandOf(const HorizonMap& map, int azimuth, const TileWindows& terrain,
+                     double bodyRadius)
 {
+    const DemTile& tile = terrain.tile;
+    const PostRect& place = terrain.place;
+    const double middleColumn = 0.5 * terrain.lastColumn - place.column;
+    const double middleRow = 0.5 * terrain.lastRow - place.row;
     constexpr double degreesPerRadian = 180.0 / 3.14159265358979323846;
     const MapDirection direction = AzimuthSet(map.azimuthCount()).direction(azimuth);
     Raster<float> values(map.width(), map.height(), std::numeric_limits<float>::quiet_NaN());
@@ -24,8 +29,8 @@ Raster<float> bandOf(const HorizonMap& map, int azimuth, const DemTile& tile, do
                 double elevation = map.elevationAt(column, row, azimuth);
                 if (bodyRadius > 0.0)
                 {
-                    const double east = (column - 0.5 * (tile.width() - 1)) * tile.eastSpacing(row);
-                    const double north = (row - 0.5 * (tile.height() - 1)) * tile.northSpacing;
+                    const double east = (column - middleColumn) * tile.eastSpacing(row);
+                    const double north = (row - middleRow) * tile.northSpacing;
                     const double tilt =
                         (east * direction.east + north * direction.north) / bodyRadius;
                     elevation =
@@ -39,26 +44,24 @@ Raster<float> bandOf(const HorizonMap& map, int azimuth, const DemTile& tile, do
 Status run(const RasterOptions& options)
 {
     const AzimuthSet azimuths(options.settings.azimuths);
-    std::vector<BandLabel> labels;
+    Product product;
+    product.mode = "horizon";
+    product.sky.sunEnabled = false;
     for (int band = 0; band < azimuths.count(); ++band)
-        labels.push_back({"horizon elevation at azimuth " +
-                              text(azimuths.compassDegreesOfBand(band)) +
-                              " degrees clockwise from north",
-                          "degree"});
-    SkyLight sky;
-    sky.sunEnabled = false;
-    const auto write = [&](LitDem& lit, Progress& progress)
+        product.bands.push_back({"horizon elevation at azimuth " +
+                                     text(azimuths.compassDegreesOfBand(band)) +
+                                     " degrees clockwise from north",
+                                 "degree"});
+    product.values = [&azimuths](LitTile& lit)
     {
-        const HorizonMap map = lit.lighting->readHorizons(lit.gpu.state());
-        return writeBands(options.output, lit.dem.frame, labels, describe("horizon", lit, true),
-                          progress,
-                          [&](int band) {
-                              return bandOf(map, azimuths.indexOfBand(band - 1), lit.dem.tile,
-                                            lit.settings.bodyRadius);
-                          });
+        const auto map = std::make_shared<HorizonMap>(lit.lighting->readHorizons(lit.state()));
+        return [map, &lit, &azimuths](int band) {
+            return bandOf(*map, azimuths.indexOfBand(band - 1), *lit.terrain,
+                          lit.settings.bodyRadius);
+        };
     };
-    return process("horizon", options, sky, SettingsTrial::Product::Shading,
-                   SkyViewDefinition::Surface, azimuths.count(), write);
+    product.metadata = [](const LitTile& lit) { return describe("horizon", lit, true); };
+    return process(options, product);
 }
 
 } // namespace

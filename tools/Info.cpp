@@ -1,5 +1,7 @@
 #include "Pipeline.h"
 
+#include "Windows.h"
+
 #include "core/AzimuthSet.h"
 #include "core/SyntheticTerrain.h"
 #include "gpu/Textures.h"
@@ -26,6 +28,7 @@ struct Options
     std::string input;
     DemReadOptions read;
     LightingSettings settings;
+    ExtentOptions extent;
     bool rate = false;
 };
 
@@ -58,26 +61,16 @@ void printGpu(const Gpu& gpu)
 /// What the textures of one tile take; sky and sun on.
 void printMemory(int width, int height, const LightingSettings& settings)
 {
-    const double posts = double(width) * height;
-    constexpr int frame = HorizonNode::frame;
-    const double heights = 4.0 * (double(width + 2 * frame) * (height + 2 * frame) + height);
-    const double map = 2.0 * posts * settings.azimuths;
-    const HorizonScheme scheme = HorizonScheme::of(settings.quality);
-    const auto working =
-        static_cast<double>(HorizonNode::workingBytes(width, height, scheme, settings.azimuths));
-    const double sun =
-        2.0 * TileLight::sunAzimuths * posts; // its working space is the sky's, at another time
-    const double skyView = 4.0 * posts;
-    const double shading = 8.0 * posts;
+    const TileBytes bytes(width, height, settings);
     std::cout << "\nGraphics memory for " << size(width, height) << " posts, " << settings.azimuths
               << " azimuths, quality " << toString(settings.quality) << "\n";
-    line("Heights", mebibytes(heights));
-    line("Horizon map", mebibytes(map));
-    line("Working space", mebibytes(working));
-    line("Sky view", mebibytes(skyView));
-    line("Sun's horizon", mebibytes(sun));
-    line("Shading", mebibytes(shading));
-    line("All", mebibytes(heights + map + working + skyView + sun + shading));
+    line("Heights", mebibytes(bytes.heights));
+    line("Horizon map", mebibytes(bytes.map));
+    line("Working space", mebibytes(bytes.working));
+    line("Sky view", mebibytes(bytes.sky));
+    line("Sun's horizon", mebibytes(bytes.sun));
+    line("Shading", mebibytes(bytes.shading));
+    line("All", mebibytes(bytes.all()));
 }
 
 void printRaster(const std::string& path, const DemInfo& info)
@@ -115,6 +108,87 @@ void printHeights(const DemFile& dem, std::size_t notesPrinted)
                            std::to_string(tile.postCount()));
     for (std::size_t i = notesPrinted; i < dem.notes.size(); ++i)
         line("Note", dem.notes[i]);
+}
+
+/// Seconds that the sky-view factor of a tile takes, shaders compiled before.
+Result<double> measureSkyView(const Gpu& gpu, const DemTile& tile, const LightingSettings& settings)
+{
+    SkyLight sky;
+    sky.sunEnabled = false;
+    const osg::ref_ptr<TileLight> light = new TileLight(tile, settings, sky);
+    double seconds = 0.0;
+    for (int run = 0; run < 2; ++run)
+    {
+        const auto start = std::chrono::steady_clock::now();
+        light->touch();
+        if (Status done = light->update(gpu.state()); !done)
+            return done.error();
+        if (Status done = gpu.finish(); !done)
+            return done.error();
+        seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
+    light->releaseGLObjects(&gpu.state());
+    return seconds;
+}
+
+std::string duration(double seconds)
+{
+    return seconds < 100.0    ? CPLSPrintf("%.2g s", seconds)
+           : seconds < 6000.0 ? CPLSPrintf("%.0f min", seconds / 60.0)
+                              : CPLSPrintf("%.1f h", seconds / 3600.0);
+}
+
+/// A part in the middle, or a fractal of its size where no height in it is valid.
+Result<DemTile> partOf(const Options& options, const DemInfo& info, int side)
+{
+    const PixelWindow& window = info.window;
+    DemReadOptions read = options.read;
+    PixelWindow part = {0, 0, std::min(side, window.width), std::min(side, window.height)};
+    part.column = window.column + (window.width - part.width) / 2;
+    part.row = window.row + (window.height - part.height) / 2;
+    read.window = part;
+    Result<DemFile> dem = readDem(options.input, read);
+    if (dem)
+        return std::move(dem->tile);
+    return generateTerrain(TerrainKind::Fractal, part.width, part.height,
+                           std::max(info.eastSpacing, 1e-3), 1);
+}
+
+/// What lighting all of a raster takes. Time: of the sky-view factor, by a short measurement.
+Status printPlan(const Gpu& gpu, const Options& options, const DemInfo& info, bool onePiece)
+{
+    const PixelWindow& part = info.window;
+    const double posts = double(part.width) * part.height;
+    const ExtentOptions& extent = options.extent;
+    const int side = onePiece                ? std::max(part.width, part.height)
+                     : extent.windowSize > 0 ? extent.windowSize
+                                             : windowSide(extent.memory, options.settings, 1);
+    const WindowGrid grid(part.width, part.height, side);
+    const int width = std::min(grid.windowWidth(), part.width);
+    const int height = std::min(grid.windowHeight(), part.height);
+    std::cout << "\nLighting it, " << options.settings.azimuths << " azimuths, quality "
+              << toString(options.settings.quality) << ", with --memory "
+              << text(std::floor(extent.memory / (1024.0 * 1024.0))) << "\n";
+    line("Windows",
+         onePiece ? "none: in one piece"
+                  : std::to_string(grid.count()) + " of at most " + size(width, height) + " posts");
+    line("Memory", mebibytes(runBytes(width, height, options.settings, 1)));
+    if (!onePiece)
+    {
+        line("Disk for windows", "up to " + mebibytes(4.0 * posts) + " per band, until joined");
+        line("Disk for levels",
+             mebibytes(8.0 / 3.0 * double(info.rasterWidth) * info.rasterHeight) + ", kept");
+    }
+    const Result<DemTile> tile = partOf(options, info, 256);
+    if (!tile)
+        return tile.error();
+    const Result<double> seconds = measureSkyView(gpu, *tile, options.settings);
+    if (!seconds)
+        return seconds.error();
+    line("Time", "about " + duration(*seconds * posts / static_cast<double>(tile->postCount())) +
+                     " for the sky-view factor, by " + size(tile->width(), tile->height()) +
+                     " posts of it");
+    return Nothing{};
 }
 
 /// Runs the horizons alone, at each quality: a warm-up, then the best of three.
@@ -179,13 +253,29 @@ Status run(const Options& options)
         if (!info)
             return info.error();
         printRaster(options.input, *info);
-        printMemory(info->window.width, info->window.height, options.settings);
-        std::cout << std::endl;
-        Result<DemFile> dem = readDem(options.input, options.read);
-        if (!dem)
-            return dem.error();
-        printHeights(*dem, info->notes.size());
-        tile = std::move(dem->tile);
+        const int width = info->window.width;
+        const int height = info->window.height;
+        const bool onePiece = fitsInOnePiece(width, height, options.settings, 1, options.extent);
+        if (onePiece)
+        {
+            printMemory(width, height, options.settings);
+            std::cout << std::endl;
+            Result<DemFile> dem = readDem(options.input, options.read);
+            if (!dem)
+                return dem.error();
+            printHeights(*dem, info->notes.size());
+            tile = std::move(dem->tile);
+        }
+        else
+        {
+            Result<DemTile> part = partOf(options, *info, 1024);
+            if (!part)
+                return part.error();
+            tile = std::move(*part);
+        }
+        if (gpu)
+            if (Status planned = printPlan(*gpu, options, *info, onePiece); !planned)
+                return planned;
     }
     else
         printMemory(1024, 1024, options.settings);
@@ -209,8 +299,10 @@ Status run(const Options& options)
 Mode addInfo(CLI::App& tool)
 {
     CLI::App* app = tool.add_subcommand(
-        "info", "What there is: OpenGL, GDAL, a raster. Also what the settings cost in graphics "
-                "memory, and with --rate how fast horizons come");
+        "info",
+        "What there is: OpenGL, GDAL, a raster, and what lighting it takes: windows, memory, time. "
+        "Also what the settings cost in graphics memory, and with --rate how fast horizons "
+        "come");
     app->footer("Examples:\n"
                 "  terrainlight info\n"
                 "  terrainlight info dem.tif --azimuths 64\n"
@@ -220,6 +312,7 @@ Mode addInfo(CLI::App& tool)
     app->add_option("INPUT", options->input, "DEM: any raster that GDAL reads")->type_name("");
     addTopic(*app, Topic::Horizons, options->settings);
     addReadOptions(*app, options->read);
+    addExtentOptions(*app, options->extent, false);
     app->add_flag("--rate", options->rate,
                   "Times horizons at the three qualities, on INPUT or else a generated 1024 x 1024 "
                   "fractal");

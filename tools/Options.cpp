@@ -375,7 +375,7 @@ void checkProblems(const LightingSettings& settings, const SkyLight& sky, Settin
 void addReadOptions(CLI::App& app, DemReadOptions& read)
 {
     app.add_option_function<std::vector<int>>(
-           "--srcwin",
+           "--srcwin,--window",
            [&read](const std::vector<int>& v) {
                read.window = PixelWindow{v[0], v[1], v[2], v[3]};
            },
@@ -433,6 +433,7 @@ void addOutputOptions(CLI::App& app, OutputOptions& output)
 
 void addRasterOptions(CLI::App& app, RasterOptions& options, bool azimuths)
 {
+    options.app = &app;
     app.add_option("INPUT", options.input, "DEM: any raster that GDAL reads")
         ->required()
         ->type_name("");
@@ -442,6 +443,7 @@ void addRasterOptions(CLI::App& app, RasterOptions& options, bool azimuths)
     addSetting(app, "quality", options.settings);
     addBodyRadius(app, options.settings, options.bodyRadius);
     addReadOptions(app, options.read);
+    addExtentOptions(app, options.extent, true);
     addOutputOptions(app, options.output);
 }
 

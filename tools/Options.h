@@ -119,7 +119,6 @@ void refuseIdle(const CLI::App& app, const std::vector<IdleSetting>& settings);
 void checkProblems(const LightingSettings& settings, const SkyLight& sky, SettingsUse use,
                    const std::string& option);
 void addReadOptions(CLI::App& app, DemReadOptions& read);
-
 /// --unit and --z-factor.
 void addHeightOptions(CLI::App& app, DemReadOptions& read);
 
@@ -127,17 +126,39 @@ void addCellSize(CLI::App& app, std::function<void(double)> set);
 
 void addOutputOptions(CLI::App& app, OutputOptions& output);
 
+/// A share of the windows of a raster: number `index` of `count`.
+struct Job
+{
+    int index = 1;
+    int count = 1;
+};
+
+/// How a raster is lit that does not fit into memory, and what it sees around it.
+struct ExtentOptions
+{
+    std::vector<std::string> surroundings; ///< rasters of terrain around the input
+    bool isolated = false;                 ///< terrain outside -srcwin is not seen
+    double memory = 0.0;                   ///< bytes; that were given or are sane
+    int windowSize = 0;                    ///< posts a side; 0: by memory
+    std::optional<Job> job;
+    std::string cache; ///< folder of coarse levels; empty: beside the input
+};
+
 /// What the modes that turn a DEM into a raster have in common.
 struct RasterOptions
 {
+    const CLI::App* app = nullptr;
     std::string input;
     DemReadOptions read;
+    ExtentOptions extent;
     LightingSettings settings;
     BodyRadius bodyRadius = BodyRadius::Unsaid;
     std::string albedoFile;                          ///< a raster; empty: settings.albedo
     std::optional<double> maxError, maxMilliseconds; ///< one of them: settings are chosen by it
     OutputOptions output;
 };
+/// --surroundings, --isolated, --memory, --window-size and --cache; --job where `jobs`.
+void addExtentOptions(CLI::App& app, ExtentOptions& extent, bool jobs);
 /// azimuths: false where the mode computes none but the sun's.
 void addRasterOptions(CLI::App& app, RasterOptions& options, bool azimuths = true);
 /// --bounces, and what they are made of; --albedo may be a raster.

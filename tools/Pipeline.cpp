@@ -1,5 +1,9 @@
 #include "Pipeline.h"
 
+#include "Parts.h"
+#include "Picture.h"
+#include "Terrain.h"
+#include "Windows.h"
 #include "io/AlbedoFile.h"
 #include "io/LightParameters.h"
 #include "io/MapPlace.h"
@@ -8,6 +12,7 @@
 #include <cpl_string.h>
 
 #include <osg/GL>
+#include <osg/GLObjects>
 #include <osg/Math>
 
 #include <chrono>
@@ -19,11 +24,6 @@ namespace osgTerrainLight::tool
 namespace
 {
 
-// Where reading and computing end on the progress line.
-constexpr double readEnd = 0.1;
-constexpr double trialEnd = 0.4;
-constexpr double computeEnd = 0.8;
-
 /// For people. azimuths: whether they matter.
 std::string named(const LightingSettings& settings, bool azimuths)
 {
@@ -31,22 +31,38 @@ std::string named(const LightingSettings& settings, bool azimuths)
            (azimuths ? ", " + std::to_string(settings.azimuths) + " azimuths" : "");
 }
 
-/// Where a budget is given: chooses lit.settings by measurement. An error where none meets it.
-Status choose(LitDem& lit, const RasterOptions& options, const SkyLight& sky,
-              SettingsTrial::Product product, SkyViewDefinition definition, Progress& progress)
+} // namespace
+
+osg::ref_ptr<TileLight> LitTile::newLight(const LightingSettings& with, const SkyLight& sky,
+                                          SkyViewDefinition definition) const
+{
+    return isAlone ? osg::ref_ptr<TileLight>(new TileLight(tile(), with, sky, definition))
+                   : osg::ref_ptr<TileLight>(new TileLight(terrain, with, sky, definition));
+}
+
+void LitTile::release()
+{
+    if (lighting)
+        lighting->releaseGLObjects(&state());
+    lighting = nullptr;
+    osg::flushAllDeletedGLObjects(state().getContextID());
+}
+
+Status choose(LitTile& lit, const RasterOptions& options, const Product& product, double share,
+              const Fraction& progress)
 {
     if (!options.maxError && !options.maxMilliseconds)
         return Nothing{};
-    osg::State& state = lit.gpu.state();
+    osg::State& state = lit.state();
+    const SkyLight& sky = product.sky;
     Result<SettingsTrial> trial =
-        SettingsTrial::create(lit.dem.tile, sky, product, definition,
-                              [&progress](double fraction)
-                              { progress.reach(readEnd + (trialEnd - readEnd) * fraction); });
+        SettingsTrial::create(lit.tile(), sky, product.measured, product.definition, progress);
     if (!trial)
         return trial.error();
     const Result<SettingsChoice> choice =
-        options.maxError ? trial->forMaxError(state, options.settings, *options.maxError)
-                         : trial->forFrameTime(state, options.settings, *options.maxMilliseconds);
+        options.maxError
+            ? trial->forMaxError(state, options.settings, *options.maxError)
+            : trial->forFrameTime(state, options.settings, share * *options.maxMilliseconds);
     if (!choice)
         return choice.error();
     if (!choice->met && options.maxError)
@@ -56,29 +72,33 @@ Status choose(LitDem& lit, const RasterOptions& options, const SkyLight& sky,
                          named(choice->settings, sky.skyEnabled) +
                          CPLSPrintf(") reach %.3g on this terrain", choice->error)};
     if (!choice->met)
-        return Error{ErrorCode::NotSupported,
-                     "--max-ms " + text(*options.maxMilliseconds) +
-                         ": the fastest settings tried (" +
-                         named(choice->settings, sky.skyEnabled) +
-                         CPLSPrintf(") need %.3g ms for this raster", choice->milliseconds)};
+        return Error{ErrorCode::NotSupported, "--max-ms " + text(*options.maxMilliseconds) +
+                                                  ": the fastest settings tried (" +
+                                                  named(choice->settings, sky.skyEnabled) +
+                                                  CPLSPrintf(") need %.3g ms for this raster",
+                                                             choice->milliseconds / share)};
     lit.lighting = trial->takeLight();
     lit.seconds = 1e-3 * choice->milliseconds;
     lit.choice = *choice;
     lit.settings = choice->settings;
+    if (!lit.isAlone || share < 1.0) // of the tile alone
+        lit.release();
     return Nothing{};
 }
 
-/// Computes the light of lit.dem: what is not shared by all azimuths first, so that progress shows.
-Status compute(LitDem& lit, const SkyLight& sky, SkyViewDefinition definition, Progress& progress)
+namespace
 {
-    const auto start = std::chrono::steady_clock::now();
+/// What is not shared by all azimuths first, so that progress shows.
+Status light(LitTile& lit, const SkyLight& sky, SkyViewDefinition definition,
+             const Fraction& progress)
+{
     SkyLight first = sky;
     first.sunEnabled = sky.sunEnabled && !sky.skyEnabled;
     LightingSettings direct = lit.settings;
     direct.bounces = 0;
     const bool measured = lit.lighting.valid(); // the choice has computed direct light
     if (!measured)
-        lit.lighting = new TileLight(lit.dem.tile, direct, first, definition);
+        lit.lighting = lit.newLight(direct, first, definition);
     lit.lighting->setAlbedo(lit.albedo);
     for (const bool last : {false, true})
     {
@@ -87,50 +107,55 @@ Status compute(LitDem& lit, const SkyLight& sky, SkyViewDefinition definition, P
             lit.lighting->setSky(sky);
             lit.lighting->setSettings(lit.settings);
         }
-        if (Status done = lit.lighting->update(lit.gpu.state()); !done)
+        if (Status done = lit.lighting->update(lit.state()); !done)
             return done;
-        if (Status done = lit.gpu.finish(); !done)
+        if (Status done = lit.gpu->finish(); !done)
             return done;
-        progress.reach(0.5 * ((lit.choice ? trialEnd : readEnd) + computeEnd));
+        progress(0.5);
     }
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    lit.seconds += took.count();
     for (const StageCost& cost : lit.lighting->costs())
         if (cost.dispatches > 0)
             lit.azimuths += cost.name == "horizon" ? lit.settings.azimuths
                             : cost.name == "sun"   ? TileLight::sunAzimuths
                             : cost.name == "key"   ? TileLight::keyAzimuths(sky, lit.settings)
                                                    : 0;
-    progress.reach(computeEnd);
     return Nothing{};
 }
+} // namespace
 
-void summarise(const std::string& mode, const LitDem& lit)
+Status compute(LitTile& lit, const Product& product, const Fraction& progress)
 {
-    const double posts = static_cast<double>(lit.dem.tile.postCount());
+    const auto start = std::chrono::steady_clock::now();
+    const Status done = product.compute ? product.compute(lit, progress)
+                                        : light(lit, product.sky, product.definition, progress);
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    lit.seconds += took.count();
+    progress(1.0);
+    return done;
+}
+
+void summarise(const LitTile& lit, const Product& product, double posts, const std::string& more)
+{
     if (lit.choice)
-        std::cout << mode
+        std::cout << product.mode
                   << ": chosen: " << named(lit.settings, lit.azimuths > TileLight::sunAzimuths)
                   << CPLSPrintf("; measured error at most %.2g, %.3g ms", lit.choice->error,
                                 lit.choice->milliseconds)
                   << "\n";
-    std::cout << mode << ": " << lit.dem.tile.postCount() << " posts, ";
-    if (lit.azimuths > 0)
+    std::cout << product.mode << CPLSPrintf(": %.0f posts, ", posts);
+    if (!product.work.empty())
+        std::cout << product.work << ", ";
+    else if (lit.azimuths > 0)
         std::cout << lit.azimuths << (lit.azimuths == 1 ? " azimuth, " : " azimuths, ")
                   << CPLSPrintf("%.3g million pixel-azimuths/s, ",
                                 posts * lit.azimuths / lit.seconds * 1e-6);
-    std::cout << CPLSPrintf("%.3g s", lit.seconds);
-    if (const unsigned dropped = lit.lighting->readDroppedVertices(lit.gpu.state()))
-        std::cout << ", " << dropped << " hull vertices dropped";
-    std::cout << std::endl;
+    std::cout << CPLSPrintf("%.3g s", lit.seconds) << more << std::endl;
 }
 
-} // namespace
-
-void sayNotes(const std::string& path, const LitDem& lit, std::size_t said)
+void sayNotes(const std::string& path, const std::vector<std::string>& notes, std::size_t said)
 {
-    for (std::size_t i = said; i < lit.dem.notes.size(); ++i)
-        warn(path + ": " + lit.dem.notes[i]);
+    for (std::size_t i = said; i < notes.size(); ++i)
+        warn(path + ": " + notes[i]);
 }
 
 Status Gpu::finish() const
@@ -172,7 +197,7 @@ Status checkFits(const Gpu& gpu, int width, int height)
     return Nothing{};
 }
 
-Metadata describe(const std::string& mode, const LitDem& lit, bool azimuths)
+Metadata describe(const std::string& mode, const LitTile& lit, bool azimuths)
 {
     Metadata metadata = {{"TIFFTAG_SOFTWARE", "osgTerrainLight " OSGTERRAINLIGHT_VERSION}};
     add(metadata, "VERSION", OSGTERRAINLIGHT_VERSION);
@@ -183,6 +208,7 @@ Metadata describe(const std::string& mode, const LitDem& lit, bool azimuths)
     if (lit.settings.bodyRadius > 0.0)
         addSetting(metadata, "body-radius", lit.settings);
     addReading(metadata, lit.read);
+    metadata.insert(metadata.end(), lit.extent.begin(), lit.extent.end());
     if (lit.choice)
         add(metadata, "ERROR_BOUND", text(lit.choice->error));
     return metadata;
@@ -219,62 +245,6 @@ Status setSun(SkyLight& sky, const RasterOptions& options, const SunTime& sun, M
     return Nothing{};
 }
 
-Result<double> radiusOfCrs(const DemInfo& info)
-{
-    if (info.bodyRadius > 0.0)
-        return info.bodyRadius;
-    return Error{ErrorCode::NotFound,
-                 "--body-radius auto: the CRS names no planet: needs a radius in metres"};
-}
-
-namespace
-{
-double extentOf(const DemInfo& info)
-{
-    return std::hypot(info.eastSpacing * info.window.width, info.northSpacing * info.window.height);
-}
-
-/// The radius to compute with. Terrain sinks along a parabola, which is no sphere where the tile is
-/// a large part of it.
-Result<double> chooseRadius(const RasterOptions& options, const DemInfo& info)
-{
-    double radius = options.settings.bodyRadius;
-    if (options.bodyRadius == BodyRadius::OfCrs)
-    {
-        const Result<double> own = radiusOfCrs(info);
-        if (!own)
-            return own.error();
-        radius = *own;
-    }
-    const double extent = extentOf(info);
-    if (radius == 0.0 || radius >= 10.0 * extent)
-        return radius;
-    return Error{ErrorCode::Invalid, "--body-radius " + text(radius) + ": the tile is " +
-                                         text(std::round(extent)) +
-                                         " m across: needs at least ten times that"};
-}
-
-/// Over a distance d the ground sinks by d²/2R, an angle of d/2R.
-void hintAtCurvature(const RasterOptions& options, const DemInfo& info)
-{
-    constexpr double tellable = 0.1; // [degrees]
-    if (options.bodyRadius != BodyRadius::Unsaid || !(info.bodyRadius > 0.0))
-        return;
-    const double sinking = osg::RadiansToDegrees(0.5 * extentOf(info) / info.bodyRadius);
-    if (sinking <= tellable)
-        return;
-    const char* budget = options.maxError          ? "--max-error"
-                         : options.maxMilliseconds ? "--max-ms"
-                                                   : nullptr;
-    const std::string radius = "--body-radius auto (" + text(info.bodyRadius) + " m)";
-    warn(options.input + ": is lit as flat, but the planet's curvature lowers the far edge by " +
-         CPLSPrintf("%.2g", sinking) + " degrees: " +
-         (budget ? std::string(budget) + " knows flat ground only; " + radius +
-                       " instead of it follows the curvature"
-                 : radius + " follows it, --body-radius 0 stays flat"));
-}
-} // namespace
-
 Status checkProj(const std::string& path, const Result<DemInfo>& info)
 {
     const std::string broken = projComplaint();
@@ -286,82 +256,23 @@ Status checkProj(const std::string& path, const Result<DemInfo>& info)
     return Nothing{};
 }
 
-Status readTile(const RasterOptions& options, int bands, LitDem& lit, std::size_t& headNotes,
-                Progress& progress)
+LitTile tileFor(const RasterOptions& options, const Setup& setup, std::shared_ptr<Gpu> gpu)
 {
-    const std::string& path = options.input;
-    refuseInputs({path, options.albedoFile}, options.output);
-    Result<DemInfo> info = describeDem(path, options.read);
-    if (Status known = checkProj(path, info); !known)
-        return known;
-    if (!info)
-        return info.error();
-    if (Status writable = checkOutput(options.output, bands, info->frame); !writable)
-        return writable;
-    const Result<double> radius = chooseRadius(options, *info);
-    if (!radius)
-        return Error{radius.error().code, path + ": " + radius.error().message};
-    for (const std::string& note : info->notes)
-        warn(path + ": " + note);
-    hintAtCurvature(options, *info);
-    headNotes = info->notes.size();
-
-    Result<Gpu> gpu = openGpu();
-    if (!gpu)
-        return gpu.error();
-    lit.gpu = std::move(*gpu);
-    if (Status fits = checkFits(lit.gpu, info->window.width, info->window.height); !fits)
-        return Error{fits.error().code, path + ": " + fits.error().message};
-
-    progress.reach(0.0);
-    DemReadOptions read = options.read;
-    read.progress = [&progress](double fraction)
-    {
-        progress.reach(readEnd * fraction);
-        return true;
-    };
-    Result<DemFile> dem = readDem(path, read);
-    if (!dem)
-        return dem.error();
-    lit.dem = std::move(*dem);
+    LitTile lit;
     lit.read = options.read;
-    lit.settings = options.settings;
-    lit.settings.bodyRadius = *radius;
-    if (options.albedoFile.empty())
-        return Nothing{};
-    Result<Raster<Rgb>> albedo = readAlbedo(options.albedoFile, *info);
-    if (!albedo)
-        return albedo.error();
-    lit.albedo = std::move(*albedo);
-    return Nothing{};
-}
-
-Status process(const std::string& mode, const RasterOptions& options, const SkyLight& sky,
-               SettingsTrial::Product product, SkyViewDefinition definition, int bands,
-               const std::function<Status(LitDem&, Progress&)>& write)
-{
-    const std::string& path = options.input;
-    LitDem lit;
-    std::size_t headNotes = 0;
-    Progress progress(options.output.quiet);
-    if (Status read = readTile(options, bands, lit, headNotes, progress); !read)
-        return read;
-    if (Status chosen = choose(lit, options, sky, product, definition, progress); !chosen)
-        return Error{chosen.error().code, path + ": " + chosen.error().message};
-    if (Status computed = compute(lit, sky, definition, progress); !computed)
-        return Error{computed.error().code, path + ": " + computed.error().message};
-    if (Status written = write(lit, progress); !written)
-        return written;
-    progress.reach(1.0);
-    sayNotes(path, lit, headNotes);
-    if (!options.output.quiet)
-        summarise(mode, lit);
-    return Nothing{};
+    lit.settings = setup.settings;
+    lit.gpu = std::move(gpu);
+    lit.isAlone = !seesOutside(options, setup.info);
+    if (!options.extent.surroundings.empty())
+        add(lit.extent, "SURROUNDINGS", CLI::detail::join(options.extent.surroundings, ","));
+    if (options.extent.isolated)
+        add(lit.extent, "ISOLATED", "YES");
+    return lit;
 }
 
 Status writeBands(const OutputOptions& output, const RasterFrame& frame,
                   const std::vector<BandLabel>& labels, const Metadata& metadata,
-                  Progress& progress, const std::function<Raster<float>(int band)>& values)
+                  const BandValues& values, const Fraction& progress)
 {
     const DeferredSignals deferred;
     Result<RasterWriter> writer =
@@ -375,7 +286,7 @@ Status writeBands(const OutputOptions& output, const RasterFrame& frame,
             return written;
         if (Status going = DeferredSignals::check(); !going)
             return going;
-        progress.reach(computeEnd + (1.0 - computeEnd) * band / (count + 1));
+        progress(static_cast<double>(band) / (count + 1));
     }
     return writer->finish();
 }

@@ -1,13 +1,8 @@
+#include "Picture.h"
 #include "Pipeline.h"
 
 #include "core/SkyRadiance.h"
 
-#include "io/ExrFile.h"
-
-#include <cpl_conv.h>
-#include <cpl_string.h>
-
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -24,94 +19,7 @@ struct Options : RasterOptions
     Metadata sunMetadata; ///< of its time and place
 };
 
-bool isPicture(const OutputOptions& output)
-{
-    const std::string kind =
-        output.format.empty() ? CPLGetExtension(output.path.c_str()) : output.format;
-    for (const char* picture : {"png", "jpg", "jpeg", "webp"})
-        if (EQUAL(kind.c_str(), picture))
-            return true;
-    return false;
-}
-
-/// 8 bits of a linear value in 0 … 1, encoded as IEC 61966-2-1 has it.
-std::uint8_t srgb8(double linear)
-{
-    const double value = std::clamp(linear, 0.0, 1.0);
-    const double encoded =
-        value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1.0 / 2.4) - 0.055;
-    return static_cast<std::uint8_t>(std::lround(255.0 * encoded));
-}
-
-Status writeFloats(const Options& options, const Metadata& metadata, const LitDem& lit,
-                   const Raster<osg::Vec4f>& shading, Progress& progress)
-{
-    const auto band = [&](int number)
-    {
-        const auto channel = static_cast<unsigned>(number - 1);
-        Raster<float> values(shading.width(), shading.height());
-        for (std::size_t i = 0; i < values.size(); ++i)
-            values.values()[i] = lit.dem.tile.validity()[i]
-                                     ? shading.values()[i][channel]
-                                     : std::numeric_limits<float>::quiet_NaN();
-        return values;
-    };
-    return writeBands(options.output, lit.dem.frame,
-                      {{"red: irradiance / pi", ""},
-                       {"green: irradiance / pi", ""},
-                       {"blue: irradiance / pi", ""},
-                       {"visible fraction of the sun", ""}},
-                      metadata, progress, band);
-}
-
-Status writeExrFile(const Options& options, const Metadata& metadata, const LitDem& lit,
-                    const Raster<osg::Vec4f>& shading)
-{
-    ExrImage image;
-    image.width = shading.width();
-    image.height = shading.height();
-    image.text.insert(metadata.begin(), metadata.end());
-    if (!lit.dem.frame.crs.empty())
-        image.text["TERRAINLIGHT_CRS"] = lit.dem.frame.crs;
-    if (lit.dem.frame.coordinateEpoch > 0.0)
-        image.text["TERRAINLIGHT_COORDINATE_EPOCH"] = text(lit.dem.frame.coordinateEpoch);
-    for (unsigned c = 0; c < 4; ++c)
-    {
-        ExrChannel channel = {std::string(1, "RGBA"[c]), {}};
-        for (int row = image.height - 1; row >= 0; --row)
-            for (int column = 0; column < image.width; ++column)
-                channel.values.push_back(shading.at(column, row)[c]);
-        image.channels.push_back(std::move(channel));
-    }
-    const DeferredSignals deferred;
-    return writeExr(options.output.path, image);
-}
-
-/// Void is transparent; where nothing is void there is no alpha, and in a JPEG void is black.
-Status writePicture(const Options& options, const Metadata& metadata, const LitDem& lit,
-                    const Raster<osg::Vec4f>& shading)
-{
-    const std::vector<std::uint8_t>& valid = lit.dem.tile.validity();
-    const bool hasAlpha = lit.dem.tile.validCount() < valid.size() &&
-                          !EQUAL(options.output.format.c_str(), "JPEG") &&
-                          !EQUAL(CPLGetExtension(options.output.path.c_str()), "jpg") &&
-                          !EQUAL(CPLGetExtension(options.output.path.c_str()), "jpeg");
-    const double gain = std::exp2(options.settings.exposure);
-    std::vector<std::uint8_t> pixels;
-    pixels.reserve(valid.size() * 4);
-    for (std::size_t i = 0; i < valid.size(); ++i)
-    {
-        for (unsigned c = 0; c < 3; ++c)
-            pixels.push_back(srgb8(gain * static_cast<double>(shading.values()[i][c])));
-        if (hasAlpha)
-            pixels.push_back(valid[i] ? 255 : 0);
-    }
-    const DeferredSignals deferred;
-    return writeRgb8(options.output.path, lit.dem.frame, pixels,
-                     writeOptions(options.output, metadata));
-}
-
-Metadata metadataOf(const Options& options, const LitDem& lit)
+Metadata metadataOf(const Options& options, const LitTile& lit)
 {
     Metadata metadata =
         describe("shade", lit, options.sky.skyEnabled || !options.sky.keyLights.empty());
@@ -168,19 +76,35 @@ Status run(const CLI::App& app, Options options)
         throw CLI::ValidationError("--time", "needs a sun: leave out --no-sun");
     if (Status placed = setSun(options.sky, options, options.sun, options.sunMetadata); !placed)
         return placed;
-    const auto write = [&](LitDem& lit, Progress& progress)
+    Product product;
+    product.mode = "shade";
+    product.sky = options.sky;
+    product.skyFile = options.skyFile;
+    product.kind = isExr(options.output)       ? Product::Kind::Exr
+                   : isPicture(options.output) ? Product::Kind::Picture
+                                               : Product::Kind::Floats;
+    product.gain = std::exp2(options.settings.exposure);
+    product.bands = {{"red: irradiance / pi", ""},
+                     {"green: irradiance / pi", ""},
+                     {"blue: irradiance / pi", ""},
+                     {"visible fraction of the sun", ""}};
+    product.values = [](LitTile& lit)
     {
-        const Raster<osg::Vec4f> shading = lit.lighting->readShading(lit.gpu.state());
-        const Metadata metadata = metadataOf(options, lit);
-        if (isExr(options.output))
-            return writeExrFile(options, metadata, lit, shading);
-        if (isPicture(options.output))
-            return writePicture(options, metadata, lit, shading);
-        return writeFloats(options, metadata, lit, shading, progress);
+        const auto shading =
+            std::make_shared<Raster<osg::Vec4f>>(lit.lighting->readShading(lit.state()));
+        return [shading, &lit](int band)
+        {
+            const auto channel = static_cast<unsigned>(band - 1);
+            Raster<float> values(shading->width(), shading->height());
+            for (std::size_t i = 0; i < values.size(); ++i)
+                values.values()[i] = lit.tile().validity()[i]
+                                         ? shading->values()[i][channel]
+                                         : std::numeric_limits<float>::quiet_NaN();
+            return values;
+        };
     };
-    const int bands = isExr(options.output) || isPicture(options.output) ? 0 : 4;
-    return process("shade", options, options.sky, SettingsTrial::Product::Shading,
-                   SkyViewDefinition::Surface, bands, write);
+    product.metadata = [&options](const LitTile& lit) { return metadataOf(options, lit); };
+    return process(options, product);
 }
 
 } // namespace

@@ -18,30 +18,34 @@ Status run(Options& options)
     Metadata sun;
     if (Status placed = setSun(options.sky, options, options.sun, sun); !placed)
         return placed;
-    const BandLabel label = {"visible fraction of the sun at azimuth " +
-                                 text(options.sky.sunAzimuth) + ", elevation " +
-                                 text(options.sky.sunElevation) + " degrees",
-                             ""};
-    const auto values = [](LitDem& lit)
+    Product product;
+    product.mode = "shadow";
+    product.sky = options.sky;
+    product.measured = SettingsTrial::Product::SunFraction;
+    product.bands = {{"visible fraction of the sun at azimuth " + text(options.sky.sunAzimuth) +
+                          ", elevation " + text(options.sky.sunElevation) + " degrees",
+                      ""}};
+    product.values = [](LitTile& lit)
     {
-        const Raster<osg::Vec4f> shading = lit.lighting->readShading(lit.gpu.state());
-        Raster<float> visible(shading.width(), shading.height());
-        for (std::size_t i = 0; i < visible.size(); ++i)
-            visible.values()[i] = lit.dem.tile.validity()[i]
-                                      ? shading.values()[i].w()
-                                      : std::numeric_limits<float>::quiet_NaN();
-        return visible;
+        return [&lit](int)
+        {
+            const Raster<osg::Vec4f> shading = lit.lighting->readShading(lit.state());
+            Raster<float> visible(shading.width(), shading.height());
+            for (std::size_t i = 0; i < visible.size(); ++i)
+                visible.values()[i] = lit.tile().validity()[i]
+                                          ? shading.values()[i].w()
+                                          : std::numeric_limits<float>::quiet_NaN();
+            return visible;
+        };
     };
-    const auto write = [&](LitDem& lit, Progress& progress)
+    product.metadata = [&](const LitTile& lit)
     {
         Metadata metadata = describe("shadow", lit, false);
         metadata.insert(metadata.end(), sun.begin(), sun.end());
         addSun(metadata, options.sky);
-        return writeBands(options.output, lit.dem.frame, {label}, metadata, progress,
-                          [&](int) { return values(lit); });
+        return metadata;
     };
-    return process("shadow", options, options.sky, SettingsTrial::Product::SunFraction,
-                   SkyViewDefinition::Surface, 1, write);
+    return process(options, product);
 }
 
 } // namespace

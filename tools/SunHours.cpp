@@ -1,11 +1,8 @@
 #include "Pipeline.h"
 
-#include <cpl_string.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <iostream>
 #include <limits>
 
 namespace osgTerrainLight::tool
@@ -15,9 +12,6 @@ namespace
 
 constexpr double millisecondsPerMinute = 6e4;
 constexpr double mostSteps = 1e6;
-// Where reading and computing end on the progress line.
-constexpr double readEnd = 0.1;
-constexpr double computeEnd = 0.9;
 
 struct Options : RasterOptions
 {
@@ -27,71 +21,58 @@ struct Options : RasterOptions
     double step = 10.0; ///< minutes
 };
 
-/// Sums the sun's visible fraction over the period.
-class Sum
+/// Suns that are up, by the midpoint rule: each step, the last one may be shorter, has the sun of
+/// its middle.
+struct Steps
 {
-public:
-    Sum(const Options& options, const EarthPlace& place, LitDem& lit)
-        : _options(options), _place(place), _lit(lit), _hours(lit.dem.tile.postCount(), 0.0)
+    Steps(const Options& options, const EarthPlace& where) : place(where), sky(options.sky)
     {
-    }
-
-    /// The midpoint rule: each step, the last one may be shorter, has the sun of its middle.
-    Status run(Progress& progress)
-    {
-        const auto all = static_cast<double>((_options.to - _options.from).count());
-        const double step = _options.step * millisecondsPerMinute;
-        for (double start = 0.0; start < all; start = step * ++_steps)
+        const auto all = static_cast<double>((options.to - options.from).count());
+        const double length = options.step * millisecondsPerMinute;
+        for (double start = 0.0; start < all; start = length * ++count)
         {
-            const double end = std::min(start + step, all);
+            const double end = std::min(start + length, all);
             const UtcTime middle =
-                _options.from + std::chrono::milliseconds(std::llround(0.5 * (start + end)));
-            if (Status added = add(middle, (end - start) / (60.0 * millisecondsPerMinute)); !added)
-                return added;
-            progress.reach(readEnd + (computeEnd - readEnd) * end / all);
+                options.from + std::chrono::milliseconds(std::llround(0.5 * (start + end)));
+            if (TileLight::needsSun(skyAt(middle)))
+                sunny.emplace_back(middle, (end - start) / (60.0 * millisecondsPerMinute));
         }
-        return Nothing{};
     }
-
-    Raster<float> hours() const
+    SkyLight skyAt(UtcTime time) const
     {
-        Raster<float> result(_lit.dem.tile.width(), _lit.dem.tile.height());
-        for (std::size_t i = 0; i < result.size(); ++i)
-            result.values()[i] = _lit.dem.tile.validity()[i]
-                                     ? static_cast<float>(_hours[i])
-                                     : std::numeric_limits<float>::quiet_NaN();
-        return result;
-    }
-    int steps() const { return _steps; }
-    int lit() const { return _sunny; }
-
-private:
-    Status add(UtcTime time, double hours)
-    {
-        SkyLight sky = _options.sky;
-        sky.setSunAt(time, _place);
-        if (!TileLight::needsSun(sky))
-            return Nothing{};
-        ++_sunny;
-        if (!_lit.lighting)
-            _lit.lighting = new TileLight(_lit.dem.tile, _lit.settings, sky);
-        _lit.lighting->setSky(sky);
-        if (Status done = _lit.lighting->update(_lit.gpu.state()); !done)
-            return done;
-        if (Status done = _lit.gpu.finish(); !done)
-            return done;
-        const Raster<osg::Vec4f> shading = _lit.lighting->readShading(_lit.gpu.state());
-        for (std::size_t i = 0; i < _hours.size(); ++i)
-            _hours[i] += hours * static_cast<double>(shading.values()[i].w());
-        return Nothing{};
+        SkyLight then = sky;
+        then.setSunAt(time, place);
+        return then;
     }
 
-    const Options& _options;
-    const EarthPlace& _place;
-    LitDem& _lit;
-    std::vector<double> _hours; ///< by post
-    int _steps = 0, _sunny = 0;
+    EarthPlace place;
+    SkyLight sky;
+    int count = 0;
+    std::vector<std::pair<UtcTime, double>> sunny; ///< middles, and how long they stand for [h]
 };
+
+/// The sum of the sun's visible fraction over all steps, by post.
+Result<std::vector<double>> sumOf(const Steps& steps, LitTile& lit, const Fraction& progress)
+{
+    std::vector<double> hours(lit.tile().postCount(), 0.0);
+    std::size_t done = 0;
+    for (const auto& [time, length] : steps.sunny)
+    {
+        const SkyLight sky = steps.skyAt(time);
+        if (!lit.lighting)
+            lit.lighting = lit.newLight(lit.settings, sky, SkyViewDefinition::Surface);
+        lit.lighting->setSky(sky);
+        if (Status updated = lit.lighting->update(lit.state()); !updated)
+            return updated.error();
+        if (Status finished = lit.gpu->finish(); !finished)
+            return finished.error();
+        const Raster<osg::Vec4f> shading = lit.lighting->readShading(lit.state());
+        for (std::size_t i = 0; i < hours.size(); ++i)
+            hours[i] += length * static_cast<double>(shading.values()[i].w());
+        progress(static_cast<double>(++done) / static_cast<double>(steps.sunny.size()));
+    }
+    return hours;
+}
 
 Status run(const Options& options)
 {
@@ -106,37 +87,47 @@ Status run(const Options& options)
     const Result<EarthPlace> place = placeOf(options, options.sun);
     if (!place)
         return place.error();
-    LitDem lit;
-    std::size_t headNotes = 0;
-    Progress progress(options.output.quiet);
-    if (Status read = readTile(options, 1, lit, headNotes, progress); !read)
-        return read;
-    const auto start = std::chrono::steady_clock::now();
-    Sum sum(options, *place, lit);
-    if (Status computed = sum.run(progress); !computed)
-        return Error{computed.error().code, options.input + ": " + computed.error().message};
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-
-    Metadata metadata = describe("sunhours", lit, false);
-    add(metadata, "FROM", toString(options.from));
-    add(metadata, "TO", toString(options.to));
-    add(metadata, "STEP_MINUTES", text(options.step));
-    addPlace(metadata, *place);
-    addSetting(metadata, "sun-radius", options.sky);
-    if (Status written = writeBands(
-            options.output, lit.dem.frame,
-            {{"hours of direct sun from " + toString(options.from) + " to " + toString(options.to),
-              "h"}},
-            metadata, progress, [&](int) { return sum.hours(); });
-        !written)
-        return written;
-    progress.reach(1.0);
-    sayNotes(options.input, lit, headNotes);
-    if (!options.output.quiet)
-        std::cout << "sunhours: " << lit.dem.tile.postCount() << " posts, " << sum.steps()
-                  << (sum.steps() == 1 ? " step, " : " steps, ") << sum.lit()
-                  << " with the sun up, " << CPLSPrintf("%.3g s", took.count()) << std::endl;
-    return Nothing{};
+    const Steps steps(options, *place);
+    std::vector<double> hours;
+    Product product;
+    product.mode = "sunhours";
+    product.sky = options.sky;
+    product.bands = {
+        {"hours of direct sun from " + toString(options.from) + " to " + toString(options.to),
+         "h"}};
+    product.work = std::to_string(steps.count) + (steps.count == 1 ? " step, " : " steps, ") +
+                   std::to_string(steps.sunny.size()) + " with the sun up";
+    product.compute = [&](LitTile& lit, const Fraction& progress) -> Status
+    {
+        Result<std::vector<double>> sum = sumOf(steps, lit, progress);
+        if (!sum)
+            return sum.error();
+        hours = std::move(*sum);
+        return Nothing{};
+    };
+    product.values = [&hours](LitTile& lit)
+    {
+        return [&lit, &hours](int)
+        {
+            Raster<float> result(lit.tile().width(), lit.tile().height());
+            for (std::size_t i = 0; i < result.size(); ++i)
+                result.values()[i] = lit.tile().validity()[i]
+                                         ? static_cast<float>(hours[i])
+                                         : std::numeric_limits<float>::quiet_NaN();
+            return result;
+        };
+    };
+    product.metadata = [&](const LitTile& lit)
+    {
+        Metadata metadata = describe("sunhours", lit, false);
+        add(metadata, "FROM", toString(options.from));
+        add(metadata, "TO", toString(options.to));
+        add(metadata, "STEP_MINUTES", text(options.step));
+        addPlace(metadata, *place);
+        addSetting(metadata, "sun-radius", options.sky);
+        return metadata;
+    };
+    return process(options, product);
 }
 
 } // namespace

@@ -19,18 +19,21 @@ SkyViewDefinition definitionOf(const std::string& name)
 
 Status run(const Options& options)
 {
-    SkyLight sky;
-    sky.sunEnabled = false;
-    const auto write = [&](LitDem& lit, Progress& progress)
+    Product product;
+    product.mode = "svf";
+    product.sky.sunEnabled = false;
+    product.measured = SettingsTrial::Product::SkyView;
+    product.definition = definitionOf(options.definition);
+    product.bands = {{"sky-view factor (" + options.definition + ")", ""}};
+    product.values = [](LitTile& lit)
+    { return [&lit](int) { return lit.lighting->readSkyView(lit.state()); }; };
+    product.metadata = [&options](const LitTile& lit)
     {
         Metadata metadata = describe("svf", lit, true);
         add(metadata, "DEFINITION", options.definition);
-        return writeBands(
-            options.output, lit.dem.frame, {{"sky-view factor (" + options.definition + ")", ""}},
-            metadata, progress, [&](int) { return lit.lighting->readSkyView(lit.gpu.state()); });
+        return metadata;
     };
-    return process("svf", options, sky, SettingsTrial::Product::SkyView,
-                   definitionOf(options.definition), 1, write);
+    return process(options, product);
 }
 
 } // namespace

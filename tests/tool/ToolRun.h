@@ -112,9 +112,10 @@ protected:
     {
         // Streams go beside the folder, so that what is in it was left by the tool.
         const std::string streams = folder.string() + ".stream";
-        const std::string command = "cd '" + folder.string() + "' && " + before + " && exec " +
-                                    with + " '" + OTL_TOOL + "' " + arguments + " >'" + streams +
-                                    "out' 2>'" + streams + "err'";
+        const std::string command = "export OSGTERRAINLIGHT_CACHE='" + levelFolder + "'; cd '" +
+                                    folder.string() + "' && " + before + " && exec " + with + " '" +
+                                    OTL_TOOL + "' " + arguments + " >'" + streams + "out' 2>'" +
+                                    streams + "err'";
         const int raw = std::system(command.c_str());
         ToolRun result;
         result.status = WIFEXITED(raw) ? WEXITSTATUS(raw) : -WTERMSIG(raw);
@@ -153,7 +154,11 @@ protected:
                   CE_None);
     }
 
+    ~ToolTest() override { std::filesystem::remove_all(levelFolder); }
+
     const std::filesystem::path folder = testFolder();
+    const std::string levelFolder =
+        folder.string() + ".levels"; ///< where the tool keeps coarse ones
 };
 
 /// Tests of modes that compute: skipped where the tool finds no OpenGL 4.3.

@@ -44,7 +44,7 @@ TEST_F(CommandLine, HelpOfEveryModeHasAnExample)
 TEST_F(CommandLine, HelpSpellsOptionsAsGdalDoes)
 {
     const ToolRun help = run("svf --help");
-    for (const char* option : {" -of FORMAT", " -co NAME=VALUE", " -srcwin X Y W H", " -q",
+    for (const char* option : {" -of FORMAT", " -co NAME=VALUE", " -srcwin,--window X Y W H", " -q",
                                " --config KEY VALUE", " --azimuths N"})
         EXPECT_NE(help.out.find(option), std::string::npos) << option;
     EXPECT_EQ(help.out.find("--of"), std::string::npos);

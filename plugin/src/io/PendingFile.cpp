@@ -13,6 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 namespace osgTerrainLight
 {
 
@@ -44,6 +47,20 @@ std::string complaintOfSystem(const std::string& path, double bytes)
     std::remove(path.c_str());
     return written && closed ? std::string() : systemsReason(written ? last : number);
 }
+
+/// Waits until a file is on its disk, so that a name never stands for less after a power failure.
+/// Files that are not on one have no such moment.
+bool reachesDisk(const std::string& path)
+{
+    const int file = path.rfind("/vsi", 0) == 0 ? -1 : open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0)
+        return true;
+    const bool synced = fsync(file) == 0 || errno == EINVAL || errno == EROFS;
+    const int number = errno;
+    close(file);
+    errno = number;
+    return synced;
+}
 } // namespace
 
 std::string withoutLinks(const std::string& path)
@@ -56,7 +73,10 @@ std::string withoutLinks(const std::string& path)
     return at.string();
 }
 
-PendingFile::PendingFile(std::string target) : _target(std::move(target)) {}
+PendingFile::PendingFile(std::string target, std::string scratch)
+    : _target(std::move(target)), _scratch(std::move(scratch))
+{
+}
 
 PendingFile::~PendingFile()
 {
@@ -89,8 +109,9 @@ Status PendingFile::create(bool overwrite)
     _parent = fs::path(_place).parent_path().string();
     _name = fs::path(_place).filename().string();
     // Not by the target's name, which may be as long as names can be.
-    const std::string folder =
-        beside(prefix + std::to_string(CPLGetCurrentProcessID()) + "-" + std::to_string(counter++));
+    const std::string name =
+        prefix + std::to_string(CPLGetCurrentProcessID()) + "-" + std::to_string(counter++);
+    const std::string folder = _scratch.empty() ? beside(name) : _scratch + "/" + name;
     errno = 0;
     if (_name.empty() || VSIMkdir(folder.c_str(), 0700) != 0)
         return refused("cannot write into " + (_parent.empty() ? "this folder" : _parent) +
@@ -135,6 +156,9 @@ Status PendingFile::commit()
         for (int i = 0; i < names.size(); ++i)
             if (fs::is_regular_file(inside(names[i]), failure))
                 fs::permissions(inside(names[i]), old.permissions(), failure);
+    errno = 0;
+    if (!reachesDisk(path()))
+        return failed(_target, "cannot be completed");
     errno = 0;
     if (VSIRename(path().c_str(), _place.c_str()) != 0)
         return failed(_target, "cannot be replaced by the file written");

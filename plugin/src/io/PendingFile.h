@@ -17,7 +17,9 @@ std::string withoutLinks(const std::string& path);
 class PendingFile
 {
 public:
-    explicit PendingFile(std::string target);
+    /// scratch: the folder that the hidden one is made in, of the target's file system; empty: that
+    /// of the target.
+    explicit PendingFile(std::string target, std::string scratch = {});
     ~PendingFile();
     PendingFile(const PendingFile&) = delete;
     PendingFile& operator=(const PendingFile&) = delete;
@@ -40,15 +42,16 @@ public:
     std::string reason(const std::string& said, double bytes, const std::string& suffix = {}) const;
 
     /// Moves all that is in the folder to its place; the main file first, since where that fails
-    /// nothing has changed. Statistics, overviews and masks of the file that was there are removed;
-    /// its permissions stay.
+    /// nothing has changed. What is moved has reached the disk by then. Statistics, overviews and
+    /// masks of the file that was there are removed; its permissions stay.
     Status commit();
 
 private:
     std::string beside(const std::string& name) const;
 
     std::string _target; ///< as it was given, for messages
-    std::string _place;  ///< without links
+    std::string _scratch;
+    std::string _place; ///< without links
     std::string _parent, _name, _folder;
 };
 

@@ -12,8 +12,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
-#include <set>
 
 namespace osgTerrainLight
 {
@@ -89,7 +89,7 @@ struct OutputFile
 {
     OutputFile(const std::string& path_, const RasterFrame& frame_,
                const RasterWriteOptions& options_)
-        : path(path_), frame(frame_), options(options_), file(path_)
+        : path(path_), frame(frame_), options(options_), file(path_, options_.scratchFolder)
     {
     }
     ~OutputFile()
@@ -129,6 +129,9 @@ struct OutputFile
             scratch = inMemory ? "" : file.inside(".copied.tif");
             target = scratch;
             creation.Clear();
+            if (!inMemory)
+                for (const char* option : {"TILED=YES", "COMPRESS=DEFLATE", "ZLEVEL=1"})
+                    creation.AddString(option);
         }
         if (EQUAL(creator->GetDescription(), "GTiff"))
         {
@@ -235,7 +238,9 @@ struct RasterWriter::State : OutputFile
 {
     using OutputFile::OutputFile;
 
-    std::set<int> done;
+    Status put(int band, int firstRow, std::vector<float>& values);
+
+    std::map<int, int> done; ///< rows by band
     bool broken = false;
 };
 
@@ -268,55 +273,94 @@ Result<RasterWriter> RasterWriter::open(const std::string& path, const RasterFra
     return RasterWriter(std::move(state));
 }
 
-Status RasterWriter::writeBand(int band, const Raster<float>& values)
+/// Whole rows of a band, in the file's order; a row is done once.
+Status RasterWriter::State::put(int band, int firstRow, std::vector<float>& values)
+{
+    GdalErrors errors;
+    GDALRasterBand& target = *dataset->GetRasterBand(band);
+    const int rows = static_cast<int>(values.size() / static_cast<std::size_t>(frame.width));
+    std::size_t i = 0;
+    for (int row = firstRow; row < firstRow + rows; ++row)
+        for (int column = 0; column < frame.width; ++column, ++i)
+        {
+            if (std::isnan(values[i]))
+                values[i] = noData;
+            written->add(band, row, static_cast<double>(values[i]), values[i] == noData);
+        }
+    done[band] += rows;
+    // To the file now: what stays in the block cache would fail at another band's turn.
+    if (target.RasterIO(GF_Write, 0, firstRow, frame.width, rows, values.data(), frame.width, rows,
+                        GDT_Float32, 0, 0, nullptr) != CE_None ||
+        (done[band] == frame.height && target.FlushCache(false) != CE_None))
+    {
+        broken = true;
+        return failed("cannot write band " + std::to_string(band), errors);
+    }
+    if (message.empty() && errors.hasFailure())
+        message = errors.first();
+    return Nothing{};
+}
+
+Status RasterWriter::checkRows(int band, int rows) const
 {
     if (!_state || _state->broken)
         return Error{ErrorCode::Failed, (_state ? _state->path + ": " : std::string()) +
                                             "nothing can be written after a failure or the end"};
-    State& state = *_state;
-    const RasterFrame& frame = state.frame;
-    if (band < 1 || band > state.dataset->GetRasterCount() || state.done.count(band) != 0)
-        return Error{ErrorCode::Invalid, state.path + ": band " + std::to_string(band) + " of " +
-                                             std::to_string(state.dataset->GetRasterCount()) +
+    const int count = _state->dataset->GetRasterCount();
+    const auto found = _state->done.find(band);
+    const int done = found == _state->done.end() ? 0 : found->second;
+    if (band < 1 || band > count || done + rows > _state->frame.height)
+        return Error{ErrorCode::Invalid, _state->path + ": band " + std::to_string(band) + " of " +
+                                             std::to_string(count) +
                                              " is written already or does not exist"};
+    return Nothing{};
+}
+
+Status RasterWriter::writeBand(int band, const Raster<float>& values)
+{
+    if (Status legal = checkRows(band, _state ? _state->frame.height : 0); !legal)
+        return legal;
+    const RasterFrame& frame = _state->frame;
     if (values.width() != frame.width || values.height() != frame.height)
-        return Error{ErrorCode::Invalid, state.path + ": band " + std::to_string(band) + " has " +
+        return Error{ErrorCode::Invalid, _state->path + ": band " + std::to_string(band) + " has " +
                                              size(values.width(), values.height()) +
                                              " values; needed " + size(frame.width, frame.height)};
-
-    GdalErrors errors;
-    GDALRasterBand& target = *state.dataset->GetRasterBand(band);
     const int stripRows = std::max(1, (1 << 20) / frame.width);
     std::vector<float> strip;
     for (int first = 0; first < frame.height; first += stripRows)
     {
-        const int rows = std::min(stripRows, frame.height - first);
         strip.clear();
-        for (int row = first; row < first + rows; ++row)
+        for (int row = first; row < std::min(first + stripRows, frame.height); ++row)
             for (int column = 0; column < frame.width; ++column)
-            {
-                const float value = values.at(frame.fileColumn(column), frame.fileRow(row));
-                strip.push_back(std::isnan(value) ? noData : value);
-                state.written->add(band, row, static_cast<double>(strip.back()),
-                                   strip.back() == noData);
-            }
-        if (target.RasterIO(GF_Write, 0, first, frame.width, rows, strip.data(), frame.width, rows,
-                            GDT_Float32, 0, 0, nullptr) != CE_None)
-        {
-            state.broken = true;
-            return state.failed("cannot write band " + std::to_string(band), errors);
-        }
+                strip.push_back(values.at(frame.fileColumn(column), frame.fileRow(row)));
+        if (Status put = _state->put(band, first, strip); !put)
+            return put;
     }
-    // To the file now: what stays in the block cache would fail at another band's turn.
-    if (target.FlushCache(false) != CE_None)
-    {
-        state.broken = true;
-        return state.failed("cannot write band " + std::to_string(band), errors);
-    }
-    if (state.message.empty() && errors.hasFailure())
-        state.message = errors.first();
-    state.done.insert(band);
     return Nothing{};
+}
+
+Status RasterWriter::writeRows(int band, int firstRow, const std::vector<float>& values)
+{
+    const std::size_t width = _state ? static_cast<std::size_t>(_state->frame.width) : 1;
+    const int rows = static_cast<int>(values.size() / width);
+    if (Status legal = checkRows(band, rows); !legal)
+        return legal;
+    if (values.empty() || values.size() % width != 0 || firstRow < 0 ||
+        firstRow > _state->frame.height - rows)
+        return Error{ErrorCode::Invalid, _state->path + ": " + std::to_string(values.size()) +
+                                             " values are no rows of " +
+                                             size(_state->frame.width, _state->frame.height)};
+    std::vector<float> strip = values;
+    return _state->put(band, firstRow, strip);
+}
+
+int RasterWriter::blockRows() const
+{
+    int width = 1;
+    int height = 1;
+    if (_state)
+        _state->dataset->GetRasterBand(1)->GetBlockSize(&width, &height);
+    return height;
 }
 
 Result<std::unique_ptr<RasterWriter::State>> RasterWriter::end()
@@ -326,10 +370,13 @@ Result<std::unique_ptr<RasterWriter::State>> RasterWriter::end()
                                             "nothing can be written after a failure or the end"};
     std::unique_ptr<State> state = std::move(_state);
     const int bands = state->dataset->GetRasterCount();
-    if (static_cast<int>(state->done.size()) != bands)
-        return Error{ErrorCode::Invalid, state->path + ": only " +
-                                             std::to_string(state->done.size()) + " of " +
-                                             std::to_string(bands) + " bands were written"};
+    const auto complete =
+        std::count_if(state->done.begin(), state->done.end(),
+                      [&](const auto& band) { return band.second == state->frame.height; });
+    if (complete != bands)
+        return Error{ErrorCode::Invalid, state->path + ": only " + std::to_string(complete) +
+                                             " of " + std::to_string(bands) +
+                                             " bands were written"};
     return state;
 }
 
@@ -364,10 +411,49 @@ Status writeRaster(const std::string& path, const RasterFrame& frame,
     return writer->finish();
 }
 
+Status writeRgb8(const std::string& path, const RasterFrame& frame, int channels,
+                 const PixelRows& rows, const RasterWriteOptions& options)
+{
+    OutputFile output(path, upright(frame), options);
+    // Always by copy: how a driver is told of colours differs, but they all know them from a
+    // source.
+    if (Status created = output.create(channels, GDT_Byte, true); !created)
+        return created;
+    GdalErrors errors;
+    constexpr GDALColorInterp colours[] = {GCI_RedBand, GCI_GreenBand, GCI_BlueBand, GCI_AlphaBand};
+    for (int channel = 0; channel < channels; ++channel)
+        output.dataset->GetRasterBand(channel + 1)->SetColorInterpretation(colours[channel]);
+    const std::size_t stride = static_cast<std::size_t>(channels);
+    std::vector<std::uint8_t> pixels;
+    std::vector<std::uint8_t> line(static_cast<std::size_t>(frame.width));
+    for (int row = 0; row < frame.height; ++row)
+    {
+        if (Status read = rows(row, pixels); !read)
+            return read;
+        if (pixels.size() != stride * line.size())
+            return Error{ErrorCode::Invalid, path + ": " + std::to_string(pixels.size()) +
+                                                 " bytes for a row of " +
+                                                 std::to_string(frame.width) + " pixels"};
+        for (std::size_t channel = 0; channel < stride; ++channel)
+        {
+            const int number = static_cast<int>(channel) + 1;
+            for (std::size_t i = 0; i < line.size(); ++i)
+            {
+                line[i] = pixels[i * stride + channel];
+                output.written->add(number, row, line[i], false);
+            }
+            if (output.dataset->GetRasterBand(number)->RasterIO(GF_Write, 0, row, frame.width, 1,
+                                                                line.data(), frame.width, 1,
+                                                                GDT_Byte, 0, 0, nullptr) != CE_None)
+                return output.failed("cannot be written", errors);
+        }
+    }
+    return output.finish();
+}
+
 Status writeRgb8(const std::string& path, const RasterFrame& frame,
                  const std::vector<std::uint8_t>& pixels, const RasterWriteOptions& options)
 {
-    OutputFile output(path, upright(frame), options);
     const std::size_t count =
         static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height);
     const std::size_t channels = count > 0 ? pixels.size() / count : 0;
@@ -375,32 +461,16 @@ Status writeRgb8(const std::string& path, const RasterFrame& frame,
         return Error{ErrorCode::Invalid,
                      path + ": " + std::to_string(pixels.size()) + " bytes for a picture of " +
                          size(frame.width, frame.height) + "; needed 3 or 4 per pixel"};
-    // Always by copy: how a driver is told of colours differs, but they all know them from a
-    // source.
-    if (Status created = output.create(static_cast<int>(channels), GDT_Byte, true); !created)
-        return created;
-    GdalErrors errors;
-    constexpr GDALColorInterp colours[] = {GCI_RedBand, GCI_GreenBand, GCI_BlueBand, GCI_AlphaBand};
-    std::vector<std::uint8_t> line(static_cast<std::size_t>(frame.width));
-    for (std::size_t channel = 0; channel < channels; ++channel)
+    const std::size_t bytes = channels * static_cast<std::size_t>(frame.width);
+    const auto rows = [&](int row, std::vector<std::uint8_t>& line) -> Status
     {
-        GDALRasterBand& band = *output.dataset->GetRasterBand(static_cast<int>(channel) + 1);
-        band.SetColorInterpretation(colours[channel]);
-        for (int row = 0; row < frame.height; ++row)
-        {
-            const std::size_t first =
-                static_cast<std::size_t>(output.frame.fileRow(row)) * line.size();
-            for (std::size_t i = 0; i < line.size(); ++i)
-            {
-                line[i] = pixels[(first + i) * channels + channel];
-                output.written->add(static_cast<int>(channel) + 1, row, line[i], false);
-            }
-            if (band.RasterIO(GF_Write, 0, row, frame.width, 1, line.data(), frame.width, 1,
-                              GDT_Byte, 0, 0, nullptr) != CE_None)
-                return output.failed("cannot be written", errors);
-        }
-    }
-    return output.finish();
+        const auto first =
+            static_cast<std::ptrdiff_t>(static_cast<std::size_t>(frame.height - 1 - row) * bytes);
+        line.assign(pixels.begin() + first,
+                    pixels.begin() + first + static_cast<std::ptrdiff_t>(bytes));
+        return Nothing{};
+    };
+    return writeRgb8(path, frame, static_cast<int>(channels), rows, options);
 }
 
 } // namespace osgTerrainLight

@@ -5,6 +5,7 @@
 #include "io/DemReader.h"
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -37,6 +38,9 @@ struct RasterWriteOptions
     std::vector<std::pair<std::string, std::string>> metadata;
     /// False: an existing file is an error.
     bool overwrite = true;
+    /// Where the file is written until it is complete, a folder of the target's file system; empty:
+    /// a hidden one beside the target.
+    std::string scratchFolder;
 };
 
 /// Writes Float32 bands, one at a time, so that a file may be larger than memory.
@@ -63,6 +67,12 @@ public:
     /// band: 1 … band count, each once, best in order; values in tile order, of the frame's size.
     Status writeBand(int band, const Raster<float>& values);
 
+    /// Instead of writeBand(), a band in parts: whole rows of the file from `firstRow`, each row
+    /// once, in the file's order. The last of them completes the band.
+    Status writeRows(int band, int firstRow, const std::vector<float>& values);
+    /// Rows to write at once so that no block of the file is written twice.
+    int blockRows() const;
+
     /// Completes the file, reads it again, compares it with what was written and puts it in place.
     /// Nothing can be written afterwards.
     Status finish();
@@ -73,6 +83,8 @@ public:
 private:
     struct State;
     explicit RasterWriter(std::unique_ptr<State> state);
+    /// Whether so many more rows of a band may be written.
+    Status checkRows(int band, int rows) const;
     /// The end of writing: takes the state.
     Result<std::unique_ptr<State>> end();
 
@@ -88,5 +100,9 @@ Status writeRaster(const std::string& path, const RasterFrame& frame,
 /// a .aux.xml file, and a world file with the creation option WORLDFILE=YES).
 Status writeRgb8(const std::string& path, const RasterFrame& frame,
                  const std::vector<std::uint8_t>& pixels, const RasterWriteOptions& options = {});
+/// The same of 3 or 4 channels, row by row from the north, from the west on.
+using PixelRows = std::function<Status(int row, std::vector<std::uint8_t>& pixels)>;
+Status writeRgb8(const std::string& path, const RasterFrame& frame, int channels,
+                 const PixelRows& rows, const RasterWriteOptions& options = {});
 
 } // namespace osgTerrainLight

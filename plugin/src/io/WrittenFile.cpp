@@ -6,6 +6,7 @@
 #include <cpl_string.h>
 #include <gdal_priv.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace osgTerrainLight
@@ -66,31 +67,42 @@ Status WrittenFile::compare(const std::string& path, GDALDriver& driver, bool is
         return wrong(std::to_string(file->GetRasterXSize()) + " x " +
                      std::to_string(file->GetRasterYSize()) + " pixels in " +
                      std::to_string(file->GetRasterCount()) + " bands");
-    std::vector<double> line(static_cast<std::size_t>(file->GetRasterXSize()));
+    const int width = file->GetRasterXSize();
+    std::vector<double> rows;
     for (int band = 1; band <= file->GetRasterCount(); ++band)
     {
         GDALRasterBand& from = *file->GetRasterBand(band);
         int hasNoData = 0;
         const double noData = from.GetNoDataValue(&hasNoData);
-        for (int row = 0; row < file->GetRasterYSize(); ++row)
+        // Whole blocks, so that none is decoded twice, of some 32 MiB at most.
+        int blockWidth = 1;
+        int blockHeight = 1;
+        from.GetBlockSize(&blockWidth, &blockHeight);
+        const int stripRows = std::clamp(blockHeight, 1, std::max(1, (1 << 22) / width));
+        for (int first = 0; first < file->GetRasterYSize(); first += stripRows)
         {
-            if (from.RasterIO(GF_Read, 0, row, file->GetRasterXSize(), 1, line.data(),
-                              file->GetRasterXSize(), 1, GDT_Float64, 0, 0, nullptr) != CE_None)
+            const int count = std::min(stripRows, file->GetRasterYSize() - first);
+            rows.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(count));
+            if (from.RasterIO(GF_Read, 0, first, width, count, rows.data(), width, count,
+                              GDT_Float64, 0, 0, nullptr) != CE_None)
                 return wrong(errors.first());
-            if (!isExact)
-                continue;
-            Row found;
-            for (const double value : line)
+            for (int row = first; isExact && row < first + count; ++row)
             {
-                const bool isVoid = std::isnan(value) || (hasNoData && value == noData);
-                found.voids += isVoid;
-                found.sum += isVoid ? 0.0 : value;
+                const double* line = rows.data() + static_cast<std::ptrdiff_t>(row - first) * width;
+                Row found;
+                for (int column = 0; column < width; ++column)
+                {
+                    const double value = line[column];
+                    const bool isVoid = std::isnan(value) || (hasNoData && value == noData);
+                    found.voids += isVoid;
+                    found.sum += isVoid ? 0.0 : value;
+                }
+                const Row& put = at(band, row);
+                if (found.voids != put.voids ||
+                    !(std::abs(found.sum - put.sum) <= 1e-3 * put.size + 1e-5 * _width))
+                    return wrong("row " + std::to_string(row + 1) + " of band " +
+                                 std::to_string(band) + " has other values");
             }
-            const Row& put = at(band, row);
-            if (found.voids != put.voids ||
-                !(std::abs(found.sum - put.sum) <= 1e-3 * put.size + 1e-5 * _width))
-                return wrong("row " + std::to_string(row + 1) + " of band " + std::to_string(band) +
-                             " has other values");
         }
     }
     return Nothing{};

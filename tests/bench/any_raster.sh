@@ -1,0 +1,63 @@
+#!/usr/bin/env bash
+# Rasters of any size: kills a run ten times with -9, goes on each time, and compares the bytes with
+# those of a run that nobody disturbed; then time and peak memory at several sizes of generated
+# terrain. Usage: any_raster.sh TERRAINLIGHT [FOLDER [SIDE ...]], by default 1000 2000 4000 posts.
+set -euo pipefail
+tool=$(realpath "${1:?needs the path of terrainlight}")
+work=${2:-$(mktemp -d)}
+[[ $# -lt 3 ]] && sides=(1000 2000 4000) || sides=("${@:3}")
+mkdir -p "$work"
+cd "$work"
+export OSGTERRAINLIGHT_CACHE=$PWD/levels
+svf=(svf --azimuths 32 --quality normal)
+
+echo "Kills, 1500 x 1500 posts in windows of 256"
+"$tool" generate fractal kill.tif --size 1500 --spacing 30 --seed 1 -q
+lit=("${svf[@]}" kill.tif)
+"$tool" "${lit[@]}" whole.tif --window-size 256 -q 2>/dev/null
+RANDOM=14
+kills=0
+for turn in $(seq 1 40); do
+  "$tool" "${lit[@]}" killed.tif --window-size 256 >out.txt 2>/dev/null &
+  process=$!
+  sleep "$((RANDOM % 3)).$((RANDOM % 10))"
+  if kill -KILL "$process" 2>/dev/null; then
+    kills=$((kills + 1))
+  fi
+  wait "$process" 2>/dev/null && break
+  [[ ! -e killed.tif ]] || break
+  [[ $kills -lt 10 ]] || break
+  head -n 1 out.txt
+done
+"$tool" "${lit[@]}" killed.tif --window-size 256 >out.txt 2>/dev/null
+head -n 1 out.txt
+cmp whole.tif killed.tif
+echo "killed $kills times: equal byte for byte"
+[[ $(find . -maxdepth 1 -name '.*windows*' | wc -l) -eq 0 ]]
+
+echo
+echo "| posts a side | mode | seconds | peak MiB | million pixel-azimuths/s |"
+echo "|---|---|---|---|---|"
+for side in "${sides[@]}"; do
+  [[ -e $side.tif ]] || "$tool" generate fractal "$side.tif" --size "$side" --spacing 30 --seed 1 -q
+  for way in "" "--memory 600" "--memory 100000"; do
+    # In one piece up to a size that the machine surely has memory for.
+    [[ $way != "--memory 100000" || $side -le 4000 ]] || continue
+    # shellcheck disable=SC2086
+    python3 - "$side" "$way" "$tool" "${svf[@]}" "$side.tif" lit.tif -q $way <<'PYTHON'
+import resource
+import subprocess
+import sys
+import time
+
+side, way, *command = sys.argv[1:]
+start = time.monotonic()
+subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
+seconds = time.monotonic() - start
+peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
+print(f"| {side} | {way or 'default'} | {seconds:.1f} | {peak:.0f} | "
+      f"{int(side) ** 2 * 32 / seconds * 1e-6:.1f} |")
+PYTHON
+    rm -f lit.tif
+  done
+done
