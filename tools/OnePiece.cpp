@@ -109,10 +109,14 @@ Result<Setup> prepare(const RasterOptions& options, const Product& product)
     return setup;
 }
 
+/// Bounces from beyond what is lit need coarser levels that are lit first, as windows do.
 bool isOnePiece(const RasterOptions& options, const Product& product, const Setup& setup)
 {
     const PixelWindow& part = setup.info.window;
-    return !options.extent.job && !Parts::exist(options.output.path) &&
+    const bool bouncesAround = setup.settings.bounces > 0 &&
+                               setup.settings.bounceMethod == BounceMethod::Slices &&
+                               seesOutside(options, setup.info);
+    return !bouncesAround && !options.extent.job && !Parts::exist(options.output.path) &&
            fitsInOnePiece(part.width, part.height, setup.costs,
                           static_cast<int>(product.bands.size()), options.extent);
 }

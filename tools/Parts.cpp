@@ -270,7 +270,8 @@ Status Parts::follow(const Lines& fingerprint, const std::optional<Job>& job,
     for (const fs::path& entry : entries)
     {
         const std::string name = entry.filename().string();
-        const bool isPart = name.rfind("window-", 0) == 0 || name == manifestName;
+        const bool isPart =
+            name.rfind("window-", 0) == 0 || name.rfind("light-", 0) == 0 || name == manifestName;
         if ((!job && name[0] == '.') || (isPart && (!found || !other.empty())))
             fs::remove_all(entry, failure);
     }

@@ -36,8 +36,12 @@ std::string named(const LightingSettings& settings, bool azimuths)
 osg::ref_ptr<TileLight> LitTile::newLight(const LightingSettings& with, const SkyLight& sky,
                                           SkyViewDefinition definition) const
 {
-    return isAlone ? osg::ref_ptr<TileLight>(new TileLight(tile(), with, sky, definition))
-                   : osg::ref_ptr<TileLight>(new TileLight(terrain, with, sky, definition));
+    if (isAlone)
+        return new TileLight(tile(), with, sky, definition);
+    const osg::ref_ptr<TileLight> light = new TileLight(terrain, with, sky, definition);
+    if (farLight)
+        light->setFarLight(farLight);
+    return light;
 }
 
 void LitTile::release()

@@ -8,6 +8,7 @@
 #include "core/Raster.h"
 #include "gpu/GpuCapabilities.h"
 #include "io/RasterWriter.h"
+#include "lighting/FarLight.h"
 #include "lighting/SettingsTrial.h"
 #include "lighting/TileLight.h"
 #include "lighting/TileWindows.h"
@@ -48,9 +49,10 @@ struct LitTile
     std::shared_ptr<Gpu> gpu;
     osg::ref_ptr<TileLight> lighting;
     LightingSettings settings;
-    Raster<Rgb> albedo;                   ///< empty: the settings'
-    std::optional<SettingsChoice> choice; ///< where a budget made it
-    int azimuths = 0;                     ///< horizons computed per post, the sun's included
+    Raster<Rgb> albedo;                       ///< empty: the settings'
+    std::shared_ptr<const FarLight> farLight; ///< for bounces, from around the tile; null: none
+    std::optional<SettingsChoice> choice;     ///< where a budget made it
+    int azimuths = 0;                         ///< horizons computed per post, the sun's included
     double seconds = 0.0;
 
     const DemTile& tile() const { return terrain->tile; }

@@ -1,3 +1,4 @@
+#include "FarRadiance.h"
 #include "Join.h"
 #include "Parts.h"
 #include "Pipeline.h"
@@ -76,9 +77,10 @@ public:
         if (_product.kind == Product::Kind::Exr)
             return Error{ErrorCode::NotSupported,
                          _options.output.path +
-                             ": an OpenEXR file is written in one piece, and this raster needs "
-                             "more memory than --memory allows: needed GeoTIFF (.tif), a smaller "
-                             "-srcwin or more --memory"};
+                             ": an OpenEXR file is written in one piece, and this raster is lit "
+                             "in windows, for --memory, --job or the light that bounces from "
+                             "beyond it: needed GeoTIFF (.tif), or a part that fits and "
+                             "--isolated"};
         GDALSetCacheMax64(
             std::min<GIntBig>(GDALGetCacheMax64(),
                               std::clamp<GIntBig>(static_cast<GIntBig>(_options.extent.memory / 8),
@@ -192,7 +194,31 @@ private:
         if (!terrain)
             return terrain.error();
         _terrain = std::move(*terrain);
-        return Nothing{};
+        if (!sendsFrom())
+            return Nothing{};
+        _radiance = std::make_unique<FileRadiance>(_parts->folder());
+        FileLock lock(_parts->folder() + "/light.lock"); // jobs wait for the first of them
+        lock.lock(FileLock::Kind::Exclusive, true);
+        FarLighting lighting;
+        lighting.settings = _setup.settings;
+        if (_choice)
+            lighting.settings = _choice->settings;
+        lighting.sky = _product.sky;
+        lighting.side = std::max(_grid->windowWidth(), _grid->windowHeight());
+        if (!_options.albedoFile.empty())
+            lighting.albedo = [this](int level, const PostRect& posts) {
+                return albedoOfLevel(_options.albedoFile, _setup.info, level, posts,
+                                     _setup.settings.albedo);
+            };
+        lighting.progress = [this](double done)
+        { say("light of the terrain's coarse levels, " + percent(done)); };
+        return lightLevels(_gpu->state(), *_terrain, lighting, *_radiance);
+    }
+
+    /// Whether ground around a window sends light to it.
+    bool sendsFrom() const
+    {
+        return _setup.settings.bounces > 0 && _setup.settings.bounceMethod == BounceMethod::Slices;
     }
 
     /// The window's tile, its margin with it, not lit yet.
@@ -208,6 +234,14 @@ private:
         if (!terrain)
             return terrain.error();
         lit.terrain = *terrain;
+        if (_radiance)
+        {
+            Result<std::shared_ptr<const FarLight>> light =
+                readFarLight(*_radiance, 0, _setup.settings.bounces, *lit.terrain);
+            if (!light)
+                return light.error();
+            lit.farLight = *light;
+        }
         lit.frame = frameOf(_grid->at(index), _setup.info.frame);
         if (_choice)
         {
@@ -368,6 +402,7 @@ private:
     std::optional<SettingsChoice> _choice;
     std::shared_ptr<Gpu> _gpu;
     std::unique_ptr<RasterSource> _terrain;
+    std::unique_ptr<FileRadiance> _radiance; ///< null: no light comes from around windows
     // Of this run.
     double _posts = 0.0, _seconds = 0.0;
     int _azimuths = 0;

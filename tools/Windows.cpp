@@ -1,5 +1,6 @@
 #include "Windows.h"
 
+#include "lighting/FarLight.h"
 #include "lighting/TileLight.h"
 #include "lighting/TileWindows.h"
 #include "lighting/nodes/HorizonNode.h"
@@ -79,8 +80,7 @@ DemInfo infoOf(const PixelWindow& pixels, const DemInfo& info)
 
 int marginOf(const LightingSettings& settings)
 {
-    constexpr int litGround = 64; // beyond it ground sends little that its coarser levels do not
-    return settings.bounces > 0 ? litGround : 0;
+    return settings.bounces > 0 ? bounceMargin : 0;
 }
 
 double defaultMemory()

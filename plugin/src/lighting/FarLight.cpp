@@ -163,6 +163,11 @@ Status lightLevels(osg::State& state, TileSource& source, const FarLighting& lig
     for (int level = source.lastLevel(); level > 0; --level)
     {
         const PostRect& part = parts[static_cast<std::size_t>(level)];
+        if (store.has(level))
+        {
+            done += static_cast<double>(part.width) * part.height;
+            continue;
+        }
         if (Status begun = store.begin(level, lighting.settings.bounces, part); !begun)
             return begun;
         LevelLighting lit(state, source, lighting, store, level);
@@ -174,6 +179,8 @@ Status lightLevels(osg::State& state, TileSource& source, const FarLighting& lig
             if (lighting.progress)
                 lighting.progress(done / all);
         }
+        if (Status ended = store.end(level); !ended)
+            return ended;
     }
     return Nothing{};
 }

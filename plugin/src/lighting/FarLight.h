@@ -24,8 +24,12 @@ class RadianceStore
 public:
     virtual ~RadianceStore() = default;
 
+    /// Whether it is there already, from an earlier run with the same lighting.
+    virtual bool has(int level) const = 0;
     /// posts: all of the level that will be written, once before the others.
     virtual Status begin(int level, int bounces, const PostRect& posts) = 0;
+    /// All is written.
+    virtual Status end(int level) = 0;
     /// bounce: that it is sent to, from 0. Posts beyond those of begin() send nothing.
     virtual Status write(int level, int bounce, const PostRect& posts,
                          const Raster<Rgb>& radiance) = 0;
@@ -36,6 +40,8 @@ public:
 class MemoryRadiance : public RadianceStore
 {
 public:
+    bool has(int level) const override { return _levels.count(level) > 0; }
+    Status end(int) override { return Nothing{}; }
     Status begin(int level, int bounces, const PostRect& posts) override;
     Status write(int level, int bounce, const PostRect& posts,
                  const Raster<Rgb>& radiance) override;
