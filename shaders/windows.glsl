@@ -1,13 +1,12 @@
-// The windows around a tile, for passes whose lines come from beyond it. FAR_LEVELS: how many
-// coarser ones there are, 0 too; not defined: nothing surrounds the tile.
-#ifdef FAR_LEVELS
+// The windows around a tile, for passes whose lines come from beyond it; without SURROUNDED nothing
+// surrounds the tile.
+#ifdef SURROUNDED
+uniform int farLevels; // coarser windows
 // By level, the tile's own first: posts of the tile where the window's first and last post stand,
 // and texels of the first, for rays along the axes east and north.
-uniform ivec4 windowPosts[FAR_LEVELS + 1];
-uniform ivec4 windowTexels[FAR_LEVELS + 1];
-#if FAR_LEVELS > 0
-layout(r32f) readonly uniform image2D farHeights; // R32F [m]
-#endif
+uniform ivec4 windowPosts[16];
+uniform ivec4 windowTexels[16];
+layout(r32f) readonly uniform image2D farHeights; // R32F [m], of all but the tile's own level
 
 Window windowOf(int level, bool north)
 {
@@ -19,11 +18,9 @@ Window windowOf(int level, bool north)
     return window;
 }
 
-#if FAR_LEVELS > 0
 // Where a line that is at a place of the tile, or at its edge, has come from.
 Length farHeight(int level, vec2 place, GridRay ray, float away)
 {
     return columnHeight(farHeights, windowOf(level, ray.major.y != 0), place, ray, away);
 }
-#endif
 #endif

@@ -7,7 +7,7 @@
 // that its lines run alike: what is void, or not the tile's, enters as a piece without ground. All
 // reads of the history have constant indices: a processor that runs lanes in step would gather.
 //
-// FAR_LEVELS: a line begins in the windows around the tile, with the light that their ground sends.
+// SURROUNDED: a line begins in the windows around the tile, with the light that their ground sends.
 layout(local_size_x = 32) in;
 
 // R32F [m], framed by `frame` void posts, row 0 south
@@ -383,7 +383,7 @@ void serve(Line line, int walked)
     imageStore(sums, post, sum + vec4(receive(line, post, walked), 0.0));
 }
 
-#if defined(FAR_LEVELS) && FAR_LEVELS > 0
+#ifdef SURROUNDED
 uniform sampler2D farLight; // radiance that the ground of the coarser levels sends
 // Columns of a window that are joined before they enter the history, 2^3.
 const int SEED_OCTAVES = 3;
@@ -424,7 +424,7 @@ void passFar(Line line, Length stepLength)
     Length height = VOID_HEIGHT; // where the last piece ended
     float from = 0.0;
     vec3 sent = vec3(0.0);
-    for (int level = FAR_LEVELS; level >= 1; --level)
+    for (int level = farLevels; level >= 1; --level)
     {
         Window window = windowOf(level, line.north);
         Window finer = windowOf(level - 1, line.north);
@@ -471,7 +471,7 @@ void main()
     Line other = lineOf(int((gl_WorkGroupID.x + 1u) * gl_WorkGroupSize.x) - 1);
     int begin = min(one.first, other.first);
     int end = max(one.last, other.last);
-#ifdef FAR_LEVELS
+#ifdef SURROUNDED
     // Each begins with what it has passed, at the end of which the tile is.
     begin = line.first;
     end = line.last;
@@ -483,7 +483,7 @@ void main()
     CLEAR_LEVEL(1)
     FROM_LEVEL_2(CLEAR_LEVEL)
     counts[0] = ENTRIES; // of nothing, so that level 1 is full only where a block begins
-#if defined(FAR_LEVELS) && FAR_LEVELS > 0
+#ifdef SURROUNDED
     if (begin <= end)
         passFar(line, stepLength);
 #endif

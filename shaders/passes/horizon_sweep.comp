@@ -10,7 +10,7 @@
 // stands between; lines of even number (PARITY 0) write, then, in a second dispatch, those of odd
 // number keep the higher.
 //
-// FAR_LEVELS n: a line begins in the farthest of n coarser windows around the tile, comes through
+// SURROUNDED: a line begins in the farthest of the coarser windows around the tile, comes through
 // each of them and through the tile's own ring, and serves posts of the tile.
 layout(local_size_x = 32) in;
 
@@ -122,7 +122,7 @@ Line lineOf(vec4 direction)
         high = low - 1;
     line.first = line.look > 0 ? high : low;
     line.count = high - low + 1;
-#ifdef FAR_LEVELS
+#ifdef SURROUNDED
     // And in the ring that it comes through before.
     vec2 place = vec2(line.first, line.start + line.drift * float(line.first));
     place = line.north ? place.yx : place;
@@ -174,14 +174,14 @@ void push(Line line, int walked)
     pushVertex(vec2(crossingHeight(a, b, minor - float(whole)), float(walked)));
 }
 
-#if defined(FAR_LEVELS) && FAR_LEVELS > 0
+#ifdef SURROUNDED
 // The line's surface in the coarser windows, farthest first; positions are below 0.
 void pushFar(Line line)
 {
     GridRay ray = gridRay(line.drift, line.look, line.north);
     vec2 place = vec2(line.first, line.start + line.drift * float(line.first));
     place = line.north ? place.yx : place;
-    for (int level = FAR_LEVELS; level >= 1; --level)
+    for (int level = farLevels; level >= 1; --level)
     {
         Window window = windowOf(level, line.north);
         float inner = max(exitOf(windowOf(level - 1, line.north), place, ray), 0.0);
@@ -248,7 +248,7 @@ Slope slopeOrWord(Slope slope, vec2 eye, vec2 seen, float exit)
     return word ? (seen.x - eye.x) / (eye.y - seen.y) : slope;
 }
 
-#ifdef FAR_LEVELS
+#ifdef SURROUNDED
 // Slope at which a post's ray meets the surface `away` steps from it or just beyond, in the first
 // window from `level` on that it has not left there; that level. end: steps to the end of the data.
 struct Met
@@ -261,8 +261,8 @@ Met slopeFrom(ivec2 post, float here, GridRay ray, bool north, int level, float 
 {
     Met met;
     met.slope = NO_HORIZON;
-    met.level = FAR_LEVELS;
-    for (; level <= FAR_LEVELS; ++level)
+    met.level = farLevels;
+    for (; level <= farLevels; ++level)
     {
         Window window = windowOf(level, north);
         float column = columnFrom(window, post, ray, away);
@@ -278,10 +278,8 @@ Met slopeFrom(ivec2 post, float here, GridRay ray, bool north, int level, float 
         met.level = level;
         if (level == 0)
             met.slope = slopeInWindow(heights, window, post, here, ray, column);
-#if FAR_LEVELS > 0
         else
             met.slope = slopeInWindow(farHeights, window, post, here, ray, column);
-#endif
         break;
     }
     return met;
@@ -293,7 +291,7 @@ Slope slopeSeen(Line line, ivec2 post, vec2 eye)
     GridRay ray = gridRay(line.drift, line.look, line.north);
     vec2 seen = vertexSeen(eye);
     // What the line sees last may lie beyond where the ray leaves the data.
-    float end = exitOf(windowOf(FAR_LEVELS, line.north), vec2(post), ray);
+    float end = exitOf(windowOf(farLevels, line.north), vec2(post), ray);
     float exit = floor(end);
     float found = vertices > 0 ? min(eye.y - seen.y, exit) : exit;
     Slope slope = NO_HORIZON;
@@ -357,7 +355,7 @@ bool isAsked(Line line, int minor, float drifted)
 // Not in the ring.
 bool inTile(Line line, int major)
 {
-#ifdef FAR_LEVELS
+#ifdef SURROUNDED
     return major >= 0 && major < steps(line);
 #else
     return true;
@@ -367,7 +365,7 @@ bool inTile(Line line, int major)
 void main()
 {
     Line line = lineOf(directions[firstDirection + int(gl_GlobalInvocationID.z)]);
-#if defined(FAR_LEVELS) && FAR_LEVELS > 0
+#ifdef SURROUNDED
     if (line.count > 0)
         pushFar(line);
 #endif

@@ -1,5 +1,5 @@
 // The height of the sun's shadow along lines towards it: one invocation walks one line, away from
-// the sun. A shadow sinks with every step, and a crest above it begins another. FAR_LEVELS: crests
+// the sun. A shadow sinks with every step, and a crest above it begins another. SURROUNDED: crests
 // around the tile, too.
 layout(local_size_x = 32) in;
 
@@ -16,7 +16,7 @@ uniform float northSpacing; // [m]
 uniform vec4 direction;     // towards the sun, as in horizon_sweep.comp
 uniform float sunSlope;
 
-#ifdef FAR_LEVELS
+#ifdef SURROUNDED
 // After so many steps of that length.
 Shadow sunk(Shadow shadow, float steps, float stepLength)
 {
@@ -31,7 +31,7 @@ Shadow shadowAround(vec2 place, GridRay ray, float stepLength)
     bool north = ray.major.y != 0;
     Shadow shadow = noShadow();
     float at = 0.0; // steps from the place where the shadow is
-    for (int level = FAR_LEVELS; level >= 0; --level)
+    for (int level = farLevels; level >= 0; --level)
     {
         Window window = windowOf(level, north);
         float inner =
@@ -46,10 +46,8 @@ Shadow shadowAround(vec2 place, GridRay ray, float stepLength)
             Length crest = VOID_HEIGHT;
             if (level == 0)
                 crest = columnHeight(heights, window, place, ray, away);
-#if FAR_LEVELS > 0
             else
                 crest = farHeight(level, place, ray, away);
-#endif
             shadow = addCrest(shadow, crest, 0.0, sunSlope);
         }
     }
@@ -83,7 +81,7 @@ void main()
         Length east = texelFetch(eastSpacings, ivec2(0, post.y), 0).x;
         float stepLength = north ? length(vec2(direction.x * east, northSpacing))
                                  : length(vec2(east, direction.x * northSpacing));
-#ifdef FAR_LEVELS
+#ifdef SURROUNDED
         if (begins)
         {
             vec2 place = vec2(major, float(number) + base);

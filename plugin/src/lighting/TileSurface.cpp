@@ -46,8 +46,6 @@ TileSurface::TileSurface(std::shared_ptr<const TileWindows> windows, int frame, 
     _heights->make();
     _eastSpacings->make();
     layOut();
-    if (_places.empty())
-        return;
     _far = own(new Resource("far heights", [this] { return createFar(); }));
     _far->make();
 }
@@ -160,8 +158,7 @@ int TileSurface::reach() const
 
 std::vector<std::string> TileSurface::farDefines() const
 {
-    return _windows ? std::vector<std::string>{"FAR_LEVELS " + std::to_string(farLevels())}
-                    : std::vector<std::string>{};
+    return _windows ? std::vector<std::string>{"SURROUNDED"} : std::vector<std::string>{};
 }
 
 void TileSurface::bindFar(GpuPass& pass) const
@@ -169,11 +166,13 @@ void TileSurface::bindFar(GpuPass& pass) const
     if (!_windows)
         return;
     // Rectangles of posts, the tile's level first; texels.
+    constexpr int most = 16; // the size of the arrays in the shaders
     const int count = farLevels() + 1;
+    assert(count <= most);
     osg::ref_ptr<osg::Uniform> posts =
-        new osg::Uniform(osg::Uniform::INT_VEC4, "windowPosts", count);
+        new osg::Uniform(osg::Uniform::INT_VEC4, "windowPosts", most);
     osg::ref_ptr<osg::Uniform> texels =
-        new osg::Uniform(osg::Uniform::INT_VEC4, "windowTexels", count);
+        new osg::Uniform(osg::Uniform::INT_VEC4, "windowTexels", most);
     const auto set = [&](int level, const PostRect& rect, int step, const Place& place)
     {
         const int column = rect.column * step - _windows->place.column;
@@ -199,8 +198,8 @@ void TileSurface::bindFar(GpuPass& pass) const
     }
     pass.set(posts);
     pass.set(texels);
-    if (_far)
-        pass.reads("farHeights", _far);
+    pass.set("farLevels", farLevels());
+    pass.reads("farHeights", _far);
 }
 
 void TileSurface::bind(GpuPass& pass) const
