@@ -1,7 +1,5 @@
 #include "core/Reach.h"
 
-#include "core/AzimuthSet.h"
-
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -87,6 +85,16 @@ struct Polygon
         return true;
     }
 
+    /// The least part along a direction of any point.
+    double least(const MapDirection& direction) const
+    {
+        double least = infinity;
+        for (int i = 0; i < count; ++i)
+            least = std::min(least, at(i).x * direction.east + at(i).y * direction.north);
+        return least;
+    }
+
+    /// The least distance from the origin to any point.
     double nearest() const
     {
         if (hasOrigin())
@@ -178,9 +186,6 @@ Reach::Reach(const DemTile& tile, const PostRect& place, const HorizonMap& horiz
     assert(scheme.ring >= 1 && scheme.farRing >= 4 && scheme.always >= 1);
     for (const double spacing : tile.eastSpacings)
         _leastRatio = std::min(_leastRatio, spacing / _eastSpacing);
-    _firstDistance =
-        0.5 * std::max({_eastSpacing * (place.width - 1), _northSpacing * (place.height - 1),
-                        _eastSpacing, _northSpacing});
     if (tile.validCount() == 0)
         return;
 
@@ -192,8 +197,11 @@ Reach::Reach(const DemTile& tile, const PostRect& place, const HorizonMap& horiz
 
     static const std::vector<double> slopes = slopesOfCodes();
     _above.reserve(static_cast<std::size_t>(_azimuthCount) * distanceCount);
+    const AzimuthSet azimuths(_azimuthCount);
     for (int azimuth = 0; azimuth < _azimuthCount; ++azimuth)
     {
+        const MapDirection ray = azimuths.direction(azimuth);
+        const double first = firstDistance(ray);
         std::array<double, distanceCount> least;
         least.fill(infinity);
         for (int row = 0; row < place.height; ++row)
@@ -204,11 +212,17 @@ Reach::Reach(const DemTile& tile, const PostRect& place, const HorizonMap& horiz
                 // Codes below the horizontal count as level, and so does that of a void.
                 const int code = horizons.codeAt(column, row, azimuth);
                 const double slope =
+                    _leastRatio *
                     slopes[static_cast<std::size_t>(std::max(0, code - HorizonMap::levelCode))];
                 const double above = double(tile.heightAt(column, row)) - _lowest;
-                for (int i = 0; i < distanceCount; ++i)
-                    least[static_cast<std::size_t>(i)] =
-                        std::min(least[static_cast<std::size_t>(i)], above + distance(i) * slope);
+                const double ahead = ray.east * _eastSpacing * (column - 0.5 * (place.width - 1)) +
+                                     ray.north * _northSpacing * (row - 0.5 * (place.height - 1));
+                double distance = first;
+                for (double& bound : least)
+                {
+                    bound = std::min(bound, above + std::max(0.0, distance - ahead) * slope);
+                    distance *= 2.0;
+                }
             }
         for (const double bound : least)
             _above.push_back(std::nextafter(static_cast<float>(bound), -1.0f));
@@ -220,29 +234,33 @@ std::size_t Reach::bytes() const
     return sizeof(*this) + _above.capacity() * sizeof(float);
 }
 
-/// A lower bound, at any distance [m], of what must be topped [m above the lowest post].
-double Reach::bound(const float* above, double d) const
+/// How far the tile extends from its middle in a direction [m].
+double Reach::extent(const MapDirection& direction) const
 {
-    double d0 = 0.0;
-    double bound0 = 0.0;
-    for (int i = 0; i < distanceCount; ++i)
-    {
-        const double d1 = distance(i);
-        if (d <= d1)
-            return bound0 + (double(above[i]) - bound0) * ((d - d0) / (d1 - d0));
-        d0 = d1;
-        bound0 = double(above[i]);
-    }
-    return bound0; // it grows with the distance
+    return 0.5 * (std::abs(direction.east) * _eastSpacing * (_place.width - 1) +
+                  std::abs(direction.north) * _northSpacing * (_place.height - 1));
 }
 
-/// Whether a height [m above the lowest post] may count at some distance from this one on.
-bool Reach::risesAbove(const float* above, double nearest, double top) const
+/// The first of the distances that bounds are kept for: beyond all posts [m].
+double Reach::firstDistance(const MapDirection& direction) const
 {
-    // The bound grows with the distance, and so does what the planet's ground sinks by.
-    const double sink =
-        _scheme.bodyRadius > 0.0 ? nearest * nearest / (2.0 * _scheme.bodyRadius) : 0.0;
-    return top - sink > bound(above, nearest);
+    return std::max({extent(direction), _eastSpacing, _northSpacing});
+}
+
+/// A lower bound of what must be topped [m above the lowest post], so many first distances from
+/// the middle.
+double Reach::bound(int azimuth, double distances) const
+{
+    if (distances < 1.0)
+        return 0.0;
+    const float* above = &_above[static_cast<std::size_t>(azimuth) * distanceCount];
+    int i = 0;
+    while (i + 1 < distanceCount && distances > std::ldexp(2.0, i))
+        ++i;
+    const double first = double(above[i]);
+    if (i + 1 == distanceCount)
+        return first; // it grows with the distance
+    return first + (double(above[i + 1]) - first) * (std::ldexp(distances, -i) - 1.0);
 }
 
 /// The coarsest level that sees any change of these posts.
@@ -300,8 +318,14 @@ bool Reach::isReached(const TerrainEdit& edit) const
         const Polygon seen = box.leftOf(right).leftOf({-left.x, -left.y});
         if (seen.count == 0)
             continue;
-        const float* above = &_above[static_cast<std::size_t>(azimuth) * distanceCount];
-        if (risesAbove(above, seen.nearest() * _leastRatio, top))
+        // From the tile's middle along the azimuth: to all of the box, and to what is seen of it.
+        const double ahead =
+            std::max(box.least(middle) + extent(middle), seen.least(middle) - extent(middle));
+        const double nearest = seen.nearest() * _leastRatio;
+        const double sink =
+            _scheme.bodyRadius > 0.0 ? nearest * nearest / (2.0 * _scheme.bodyRadius) : 0.0;
+        // Directions beside the azimuth go farther to as much ahead, and the bound grows with it.
+        if (top - sink > bound(azimuth, ahead / firstDistance(middle)))
             return true;
     }
     return false;

@@ -3,6 +3,7 @@
 #include <osgTerrainLight/DemTile.h>
 #include <osgTerrainLight/HorizonMap.h>
 
+#include "core/AzimuthSet.h"
 #include "core/PostRect.h"
 #include "core/Raster.h"
 
@@ -52,10 +53,10 @@ struct ReachScheme
 ///
 /// A point of terrain at distance d matters to a post of height z only if it rises above the
 /// post's horizon h, or is that horizon: from the height z + d·tan h on. Per azimuth the tile keeps
-/// the minimum of that height over its posts, for 9 distances that double. It is concave in the
-/// distance, so chords between the 9 are below it. An edit outside reach changes no horizon, of
-/// those above the horizontal, by more than 0.01°, seen from the state the tile was lit in: edits
-/// that it was not lit again for do not add up.
+/// the minimum of that height over its posts, for 9 distances from its middle that double, the
+/// first where the tile ends. The minimum is concave, so chords between the 9 are below it. An edit
+/// outside reach changes no horizon, of those above the horizontal, by more than 0.01°, seen from
+/// the state the tile was lit in: edits that it was not lit again for do not add up.
 class Reach
 {
 public:
@@ -77,20 +78,19 @@ public:
 private:
     static constexpr int distanceCount = 9;
 
-    double distance(int index) const { return _firstDistance * (1 << index); }
-    double bound(const float* above, double d) const;
-    bool risesAbove(const float* above, double nearest, double top) const;
+    double extent(const MapDirection& direction) const;
+    double firstDistance(const MapDirection& direction) const;
+    double bound(int azimuth, double distances) const;
     int levelOf(const PostRect& posts) const;
 
     PostRect _place;
     ReachScheme _scheme;
-    int _azimuthCount = 0;       ///< 0: wholly void
-    double _lowest = 0.0;        ///< valid post [m above heightOrigin]
-    double _firstDistance = 0.0; ///< [m]
-    double _eastSpacing = 0.0;   ///< that azimuths are laid out with [m]
-    double _northSpacing = 0.0;  ///< [m]
-    double _leastRatio = 1.0;    ///< of a row's east spacing to that one, at most 1
-    std::vector<float> _above;   ///< by azimuth, then distance [m above _lowest], rounded down
+    int _azimuthCount = 0;      ///< 0: wholly void
+    double _lowest = 0.0;       ///< valid post [m above heightOrigin]
+    double _eastSpacing = 0.0;  ///< that azimuths are laid out with [m]
+    double _northSpacing = 0.0; ///< [m]
+    double _leastRatio = 1.0;   ///< of a row's east spacing to that one, at most 1
+    std::vector<float> _above;  ///< by azimuth, then distance [m above _lowest], rounded down
 };
 
 } // namespace osgTerrainLight
