@@ -200,13 +200,15 @@ TEST(TileWindows, ShadowOfADistantRidgeEndsWhereItShould)
 }
 
 // On a planet of 6371 km the ground lies d^2 / 2R = 784.8 m lower at 100 km. Rows have ridges of
-// different height, so that the rounding of horizons averages out.
+// different height, so that the rounding of horizons averages out. The ridge stands on a post of
+// all coarse levels, since elsewhere its place is known to half a cell of them.
 TEST(TileWindows, GroundSinksAsThePlanetDoes)
 {
     OTL_NEED_GL(context);
     osg::State& state = context->state();
-    constexpr int away = 3334; // posts, of 30 m
-    DemTile tile(2 * away + 1, 120, 30.0);
+    constexpr int away = 3328; // posts: 2 * away is 13 * 512
+    constexpr double distance = 100000.0;
+    DemTile tile(2 * away + 1, 120, distance / away);
     for (int row = 0; row < tile.height(); ++row)
         for (int column = 0; column < tile.width(); ++column)
             tile.setHeight(column, row,
@@ -222,11 +224,10 @@ TEST(TileWindows, GroundSinksAsThePlanetDoes)
     light->releaseGLObjects(&state);
     double drop = 0.0;
     for (int row = 0; row < 60; ++row) // in the middle of the whole, looking east
-        drop +=
-            (2000.0 + 30.0 + row - 30.0 * away * std::tan(map.elevationAt(0, row, 0) / degrees)) /
-            60.0;
-    const double exact = 30.0 * away * 30.0 * away / (2.0 * 6371000.0);
-    std::printf("drop at %.2f km: %.2f m, %.2f by the closed form\n", 0.03 * away, drop, exact);
+        drop += (2000.0 + 30.0 + row - distance * std::tan(map.elevationAt(0, row, 0) / degrees)) /
+                60.0;
+    const double exact = distance * distance / (2.0 * 6371000.0);
+    std::printf("drop at 100 km: %.2f m, %.2f by the closed form\n", drop, exact);
     EXPECT_NEAR(drop, exact, 1e-3 * exact);
 }
 
