@@ -33,19 +33,6 @@ real exitOf(Window window, vec2 place, GridRay ray)
     return min(x, y);
 }
 
-// Steps from a post to the first column of a window that is at least `away` >= 0 steps along a ray.
-// Columns stand across the ray's major axis.
-real columnFrom(Window window, ivec2 post, GridRay ray, real away)
-{
-    GLSL_ASSERT(away >= real(0.0));
-    int look = ray.major.x + ray.major.y;
-    int from = ray.major.x != 0 ? post.x - window.first.x : post.y - window.first.y;
-    real step = real(window.step);
-    real column = (real(from * look) + away) / step;
-    // Rounding must not miss the column that is meant.
-    return ceil(column - real(0.01)) * step - real(from * look);
-}
-
 // Columns of a window that a line crosses, from one so many steps away to another, nearer one.
 struct Columns
 {
@@ -88,36 +75,36 @@ Length columnHeight(HeightMap heights, Window window, vec2 place, GridRay ray, r
                           across - real(whole));
 }
 
-// Slope [m per step] at which a post of height `here` sees the surface of a window along its ray,
-// at the column `away` steps from it or, if that is higher, at the row that the ray crosses between
-// it and the column before; NO_HORIZON where neither has valid posts.
-Slope slopeInWindow(HeightMap heights, Window window, ivec2 post, Length here, GridRay ray,
-                    real away)
+// Where a line crosses a row of a window: steps from a place, and height, void where there is none.
+struct Crossing
 {
-    GLSL_ASSERT(away > real(0.0));
-    vec2 at = vec2(real(post.x), real(post.y));
-    Length rise = columnHeight(heights, window, at, ray, away) - here;
-    Slope slope = isVoid(rise) ? NO_HORIZON : rise / away;
+    real away;
+    Length height;
+};
 
+// Between the column `away` steps from a place and the next one, farther away.
+Crossing rowCrossing(HeightMap heights, Window window, vec2 place, GridRay ray, real away)
+{
+    vec2 from = place - vec2(real(window.first.x), real(window.first.y));
+    real look = real(ray.major.x + ray.major.y);
     bool east = ray.major.x != 0;
-    int look = ray.major.x + ray.major.y;
-    ivec2 from = post - window.first;
     real step = real(window.step);
-    real across = (real(east ? from.y : from.x) + ray.drift * away) / step;
-    real before = across - ray.drift;
-    real row = floor(max(across, before));
-    real back = away - step;
-    if (!(row > min(across, before)) || back < real(0.0))
-        return slope;
-    // The row's posts are one of each column's.
-    real share = (row - before) / ray.drift;
-    real column = (real(east ? from.x : from.y) + real(look) * away) / step;
-    int along = int(floor(column + real(0.5)));
-    ivec2 corner = east ? ivec2(along, int(row)) : ivec2(int(row), along);
-    ivec2 texel = window.texel + corner;
-    rise = hasPost(window, corner) ? crossingHeight(postHeight(heights, texel - ray.major),
-                                   postHeight(heights, texel), share) -
-                        here
-                  : VOID_HEIGHT;
-    return isVoid(rise) ? slope : max(slope, rise / (back + share * step));
+    int column = int(floor(((east ? from.x : from.y) + look * away) / step + real(0.5)));
+    real across = ((east ? from.y : from.x) + ray.drift * away) / step;
+    real beyond = across + ray.drift;
+    real row = floor(max(across, beyond));
+    Crossing crossing;
+    crossing.away = away;
+    crossing.height = VOID_HEIGHT;
+    ivec2 post = east ? ivec2(column, int(row)) : ivec2(int(row), column);
+    if (row > min(across, beyond) && hasPost(window, post) && hasPost(window, post + ray.major))
+    {
+        // The row's posts are one of each column's.
+        real share = (row - across) / ray.drift;
+        ivec2 texel = window.texel + post;
+        crossing.away = away + share * step;
+        crossing.height =
+            crossingHeight(postHeight(heights, texel), postHeight(heights, texel + ray.major), share);
+    }
+    return crossing;
 }

@@ -187,13 +187,17 @@ void pushFar(Line line)
         float inner = max(exitOf(windowOf(level - 1, line.north), place, ray), 0.0);
         Columns columns =
             columnsBetween(window, place, ray, inner, exitOf(window, place, ray));
-        for (int chunk = 0; chunk < columns.count; chunk += CHUNK)
+        for (int chunk = 0; chunk < columns.count; chunk += CHUNK / 2)
         {
             if (vertices > HULL_CAPACITY - CHUNK)
                 thinHull();
-            for (int i = chunk; i < min(chunk + CHUNK, columns.count); ++i)
+            // Two vertices each.
+            for (int i = chunk; i < min(chunk + CHUNK / 2, columns.count); ++i)
             {
                 float away = columns.farthest - float(i * window.step);
+                Crossing row = rowCrossing(farHeights, window, place, ray, away);
+                if (i > 0)
+                    pushVertex(vec2(row.height, -row.away));
                 pushVertex(vec2(farHeight(level, place, ray, away), -away));
             }
         }
@@ -249,67 +253,21 @@ Slope slopeOrWord(Slope slope, vec2 eye, vec2 seen, float exit)
 }
 
 #ifdef SURROUNDED
-// Slope at which a post's ray meets the surface `away` steps from it or just beyond, in the first
-// window from `level` on that it has not left there; that level. end: steps to the end of the data.
-struct Met
-{
-    Slope slope;
-    int level;
-};
-
-Met slopeFrom(ivec2 post, float here, GridRay ray, bool north, int level, float away, float end)
-{
-    Met met;
-    met.slope = NO_HORIZON;
-    met.level = farLevels;
-    for (; level <= farLevels; ++level)
-    {
-        Window window = windowOf(level, north);
-        float column = columnFrom(window, post, ray, away);
-        float exit = exitOf(window, vec2(post), ray);
-        // Beyond the last column that a ray crosses it may still cross the edge of the data.
-        bool last = exit > end - 0.01;
-        if (column > exit + (last ? float(window.step) - 0.001 : 0.0))
-        {
-            if (last)
-                break;
-            continue;
-        }
-        met.level = level;
-        if (level == 0)
-            met.slope = slopeInWindow(heights, window, post, here, ray, column);
-        else
-            met.slope = slopeInWindow(farHeights, window, post, here, ray, column);
-        break;
-    }
-    return met;
-}
-
-// Horizon of a post that asks the line after so many steps [m per step].
+// Horizon of a post that asks the line after so many steps [m per step]. A crest in the ring or the
+// tile is measured; beside one of a coarser window the post's ray runs within a quarter of a cell,
+// and the line's word will do.
 Slope slopeSeen(Line line, ivec2 post, vec2 eye)
 {
     GridRay ray = gridRay(line.drift, line.look, line.north);
     vec2 seen = vertexSeen(eye);
     // What the line sees last may lie beyond where the ray leaves the data.
-    float end = exitOf(windowOf(farLevels, line.north), vec2(post), ray);
-    float exit = floor(end);
-    float found = vertices > 0 ? min(eye.y - seen.y, exit) : exit;
-    Slope slope = NO_HORIZON;
+    float end = floor(exitOf(windowOf(farLevels, line.north), vec2(post), ray));
     float own = exitOf(windowOf(0, line.north), vec2(post), ray);
-    if (found < own - 1.0)
-        return slopeOrWord(slopeNear(line, post, eye.x, found, own, own), eye, seen, exit);
-    Met at = slopeFrom(post, eye.x, ray, line.north, 0, max(found, 1.0), end);
-    int finer = max(at.level - 1, 0);
-    float step = float(1 << at.level);
-    if (found > float(reach))
-        slope = at.slope;
-    for (int i = FIRST_MEASURED; i <= 1; i += 1 + int(i == -1))
-    {
-        float away = found + float(i) * step;
-        if (away > float(reach) && i != 0)
-            slope = max(slope, slopeFrom(post, eye.x, ray, line.north, finer, away, end).slope);
-    }
-    return slopeOrWord(slope, eye, seen, exit);
+    float found = vertices > 0 ? min(eye.y - seen.y, end) : end;
+    Slope slope = NO_HORIZON;
+    if (found <= own)
+        slope = slopeNear(line, post, eye.x, found, own, own + 1.0);
+    return slopeOrWord(slope, eye, seen, end);
 }
 #else
 // Horizon of a post that asks the line after so many steps [m per step].
