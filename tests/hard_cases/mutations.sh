@@ -98,6 +98,16 @@ mutate shade-void passes/shade.comp 's/if \(isVoid\(postHeight\(heights, post \+
 mutate compose-last-bounce passes/compose.comp 's/light\.rgb \+ bounced/bounced/' \
   'gpu_tests:BounceClosedForm.*'
 
+# What surrounds a tile.
+mutate windows-exit lib/windows.glsl 's/return min\(x, y\);/return x;/' \
+  'gpu_tests:TileWindows.Horizons*'
+mutate windows-none passes/horizon_sweep.comp 's/^        pushFar\(line\);/        ;/' \
+  'gpu_tests:TileWindows.Horizons*'
+mutate windows-ring passes/horizon_sweep.comp 's/line\.count \+= lead;//' \
+  'gpu_tests:TileWindows.Horizons*'
+mutate windows-seed passes/bounce_sweep.comp 's/^        passFar\(line, stepLength\);/        ;/' \
+  'gpu_tests:TileWindows.Shading*'
+
 # The walk along a ray and the gather of a slice: against the same functions on the CPU, which
 # glsl_tests hold to closed forms.
 rays()
