@@ -4,8 +4,8 @@
 uniform int farLevels; // coarser windows
 // By level, the tile's own first: posts of the tile where the window's first and last post stand,
 // and texels of the first, for rays along the axes east and north.
-uniform ivec4 windowPosts[16];
-uniform ivec4 windowTexels[16];
+uniform ivec4 windowPosts[24];
+uniform ivec4 windowTexels[24];
 layout(r32f) readonly uniform image2D farHeights; // R32F [m], of all but the tile's own level
 
 Window windowOf(int level, bool north)

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
@@ -22,7 +23,7 @@ namespace
 /// What stands first in a file.
 struct Head
 {
-    std::int32_t column, row, width, height;
+    std::int32_t column, row, width, height, bounces;
 };
 
 constexpr std::size_t postBytes = 3 * sizeof(std::uint16_t);
@@ -64,6 +65,25 @@ bool readAll(int file, void* data, std::size_t bytes, off_t at)
     return true;
 }
 
+/// All of the raster, in posts of the part that is lit.
+PostRect wholeRaster(const DemInfo& info)
+{
+    const PixelWindow& part = info.window;
+    const int beyondEast = info.rasterWidth - part.column - part.width;
+    const int beyondSouth = info.rasterHeight - part.row - part.height;
+    return {-(info.frame.westFirst ? part.column : beyondEast),
+            -(info.frame.northUp ? beyondSouth : part.row), info.rasterWidth, info.rasterHeight};
+}
+
+/// Posts as pixels of the part that is lit, beyond it too.
+PixelWindow pixelsOf(const PostRect& posts, const DemInfo& info)
+{
+    const PixelWindow& lit = info.window;
+    return {info.frame.westFirst ? posts.column : lit.width - posts.endColumn(),
+            info.frame.northUp ? lit.height - posts.endRow() : posts.row, posts.width,
+            posts.height};
+}
+
 } // namespace
 
 FileRadiance::~FileRadiance()
@@ -83,12 +103,23 @@ Error FileRadiance::failed(int level, const char* what) const
                                    (errno != 0 ? std::strerror(errno) : "it ends too early")};
 }
 
+/// One that is too short was damaged, and is made anew.
 bool FileRadiance::has(int level) const
 {
-    return ::access(path(level).c_str(), R_OK) == 0;
+    const int file = ::open(path(level).c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0)
+        return false;
+    Head head = {};
+    struct stat state = {};
+    const bool whole = readAll(file, &head, sizeof head, 0) && ::fstat(file, &state) == 0 &&
+                       head.width > 0 && head.height > 0 && head.bounces > 0 &&
+                       state.st_size == placeOf({head.column, head.row, head.width, head.height},
+                                                head.bounces, head.column, head.row);
+    ::close(file);
+    return whole;
 }
 
-Status FileRadiance::begin(int level, int, const PostRect& posts)
+Status FileRadiance::begin(int level, int bounces, const PostRect& posts)
 {
     errno = 0;
     const int file =
@@ -96,7 +127,7 @@ Status FileRadiance::begin(int level, int, const PostRect& posts)
     if (file < 0)
         return failed(level, "cannot be written");
     _files[level] = {file, posts};
-    const Head head = {posts.column, posts.row, posts.width, posts.height};
+    const Head head = {posts.column, posts.row, posts.width, posts.height, bounces};
     return writeAll(file, &head, sizeof head, 0) ? Status(Nothing{})
                                                  : Status(failed(level, "cannot be written"));
 }
@@ -165,45 +196,39 @@ Result<Raster<Rgb>> FileRadiance::read(int level, int bounce, const PostRect& po
     return radiance;
 }
 
+/// In strips of at most so many pixels; each pixel adds to the post that it is nearest to.
 Result<Raster<Rgb>> albedoOfLevel(const std::string& path, const DemInfo& info, int level,
                                   const PostRect& posts, const Rgb& other)
 {
+    constexpr int mostPixels = 1 << 21;
     const int step = 1 << level;
-    const PostRect all = {0, 0, info.frame.width, info.frame.height};
-    Raster<Rgb> mean(posts.width, posts.height, other);
-    for (int row = 0; row < posts.height; ++row)
+    const int half = step / 2;
+    const PostRect all = PostRect{posts.column * step - half, posts.row * step - half,
+                                  posts.width * step, posts.height * step}
+                             .clippedTo(wholeRaster(info));
+    Raster<Rgb> mean(posts.width, posts.height);
+    Raster<float> counts(posts.width, posts.height);
+    const int rows = std::max(1, mostPixels / std::max(all.width, 1));
+    for (int first = all.row; first < all.endRow(); first += rows)
     {
-        // What lies half way to the next posts, a strip at a time.
-        const PostRect strip =
-            PostRect{posts.column * step - step / 2, (posts.row + row) * step - step / 2,
-                     posts.width * step, step}
-                .clippedTo(all);
-        if (strip.empty())
-            continue;
-        const PostRect pixels = {info.frame.westFirst ? strip.column
-                                                      : all.width - strip.endColumn(),
-                                 info.frame.northUp ? all.height - strip.endRow() : strip.row,
-                                 strip.width, strip.height};
-        const Result<Raster<Rgb>> read = readAlbedo(
-            path, infoOf({pixels.column, pixels.row, pixels.width, pixels.height}, info));
+        const PostRect strip = PostRect{all.column, first, all.width, rows}.clippedTo(all);
+        const Result<Raster<Rgb>> read = readAlbedo(path, infoOf(pixelsOf(strip, info), info));
         if (!read)
             return read.error();
-        for (int column = 0; column < posts.width; ++column)
-        {
-            const int first = (posts.column + column) * step - step / 2 - strip.column;
-            Rgb sum = {};
-            int count = 0;
-            for (int y = 0; y < strip.height; ++y)
-                for (int x = std::max(first, 0); x < std::min(first + step, strip.width); ++x)
-                {
-                    for (std::size_t c = 0; c < 3; ++c)
-                        sum[c] += read->at(x, y)[c];
-                    ++count;
-                }
-            for (std::size_t c = 0; count > 0 && c < 3; ++c)
-                mean.at(column, row)[c] = sum[c] / static_cast<float>(count);
-        }
+        for (int y = 0; y < strip.height; ++y)
+            for (int x = 0; x < strip.width; ++x)
+            {
+                const int column = (strip.column + x + half - posts.column * step) / step;
+                const int row = (strip.row + y + half - posts.row * step) / step;
+                for (std::size_t c = 0; c < 3; ++c)
+                    mean.at(column, row)[c] += read->at(x, y)[c];
+                counts.at(column, row) += 1.0f;
+            }
     }
+    for (std::size_t i = 0; i < mean.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            mean.values()[i][c] =
+                counts.values()[i] > 0.0f ? mean.values()[i][c] / counts.values()[i] : other[c];
     return mean;
 }
 

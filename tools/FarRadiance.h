@@ -39,7 +39,8 @@ private:
     std::map<int, File> _files;
 };
 
-/// The mean albedo around posts of a level, of a raster that readAlbedo() takes; `other` beyond it.
+/// The mean albedo around posts of a level, 0 for the raster's own, of a raster that readAlbedo()
+/// takes; `other` beyond it.
 Result<Raster<Rgb>> albedoOfLevel(const std::string& path, const DemInfo& info, int level,
                                   const PostRect& posts, const Rgb& other);
 

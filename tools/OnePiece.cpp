@@ -61,13 +61,27 @@ Result<double> chooseRadius(const RasterOptions& options, const DemInfo& info)
                                          " m across: needs at least ten times that"};
 }
 
+/// Of all that what is lit may see.
+double seenOf(const RasterOptions& options, const DemInfo& info)
+{
+    constexpr double reach = 500e3; // RasterSourceOptions
+    double seen = extentOf(info);
+    if (!options.extent.isolated)
+        seen = std::max(seen, std::hypot(info.eastSpacing * info.rasterWidth,
+                                         info.northSpacing * info.rasterHeight));
+    for (const std::string& file : options.extent.surroundings)
+        if (const Result<DemInfo> far = describeDem(file))
+            seen = std::max(seen, extentOf(*far));
+    return std::min(seen, 2.0 * reach);
+}
+
 /// Over a distance d the ground sinks by d²/2R, an angle of d/2R.
 void hintAtCurvature(const RasterOptions& options, const DemInfo& info)
 {
     constexpr double tellable = 0.1; // [degrees]
     if (options.bodyRadius != BodyRadius::Unsaid || !(info.bodyRadius > 0.0))
         return;
-    const double sinking = osg::RadiansToDegrees(0.5 * extentOf(info) / info.bodyRadius);
+    const double sinking = osg::RadiansToDegrees(0.5 * seenOf(options, info) / info.bodyRadius);
     if (sinking <= tellable)
         return;
     const char* budget = options.maxError          ? "--max-error"
@@ -104,6 +118,11 @@ Result<Setup> prepare(const RasterOptions& options, const Product& product)
     Setup setup = {*info, options.settings, options.settings};
     setup.settings.bodyRadius = *radius;
     const SkyLight& sky = product.sky;
+    if (setup.settings.bounceMethod != BounceMethod::Slices && seesOutside(options, *info))
+        return Error{ErrorCode::NotSupported,
+                     "--bounce-method " + std::string(toString(setup.settings.bounceMethod)) +
+                         ": sees nothing beyond what is lit: needs slices, or --isolated without "
+                         "--surroundings"};
     if (!sky.skyEnabled && sky.keyLights.empty() && options.settings.bounces == 0)
         setup.costs.azimuths = TileLight::sunAzimuths + 1; // the sun's are all that there are
     return setup;
@@ -113,9 +132,7 @@ Result<Setup> prepare(const RasterOptions& options, const Product& product)
 bool isOnePiece(const RasterOptions& options, const Product& product, const Setup& setup)
 {
     const PixelWindow& part = setup.info.window;
-    const bool bouncesAround = setup.settings.bounces > 0 &&
-                               setup.settings.bounceMethod == BounceMethod::Slices &&
-                               seesOutside(options, setup.info);
+    const bool bouncesAround = setup.settings.bounces > 0 && seesOutside(options, setup.info);
     return !bouncesAround && !options.extent.job && !Parts::exist(options.output.path) &&
            fitsInOnePiece(part.width, part.height, setup.costs,
                           static_cast<int>(product.bands.size()), options.extent);

@@ -4,7 +4,6 @@
 #include "Pipeline.h"
 #include "Terrain.h"
 #include "Windows.h"
-#include "io/AlbedoFile.h"
 #include "io/InputFiles.h"
 
 #include <cpl_string.h>
@@ -37,6 +36,14 @@ std::string stampOf(const std::string& file)
     return std::to_string(bytes) + " bytes, written at " + std::to_string(time);
 }
 
+/// However the path is spelt.
+std::string canonical(const std::string& path)
+{
+    std::error_code failure;
+    const fs::path result = fs::weakly_canonical(path, failure);
+    return failure || path.compare(0, 4, "/vsi") == 0 ? path : result.string();
+}
+
 /// All that a window's values depend on. How they are joined does not matter, nor who computes
 /// them; --memory counts where it is given, since it chooses the windows.
 Lines fingerprintOf(const RasterOptions& options, const Product& product)
@@ -53,13 +60,14 @@ Lines fingerprintOf(const RasterOptions& options, const Product& product)
         if (option->count() > 0 &&
             std::none_of(std::begin(idle), std::end(idle),
                          [&name](const char* other) { return name == other; }))
-            lines.emplace_back(name, CLI::detail::join(option->results(), " "));
+            lines.emplace_back(name, name == "INPUT" ? canonical(options.input)
+                                                     : CLI::detail::join(option->results(), " "));
     }
     std::vector<std::string> inputs = options.extent.surroundings;
     inputs.insert(inputs.begin(), {options.input, options.albedoFile, product.skyFile});
     for (const std::string& input : inputs)
         for (const std::string& file : input.empty() ? std::vector<std::string>() : filesOf(input))
-            lines.emplace_back("file " + file, stampOf(file));
+            lines.emplace_back("file " + canonical(file), stampOf(file));
     return lines;
 }
 
@@ -74,6 +82,12 @@ public:
 
     Status run()
     {
+        if (_setup.settings.bounceMethod != BounceMethod::Slices)
+            return Error{ErrorCode::NotSupported,
+                         "--bounce-method " + std::string(toString(_setup.settings.bounceMethod)) +
+                             ": sees nothing beyond what is lit in one piece, and " +
+                             _options.input +
+                             " is lit in windows: needs slices, or a part that fits into --memory"};
         if (_product.kind == Product::Kind::Exr)
             return Error{ErrorCode::NotSupported,
                          _options.output.path +
@@ -126,8 +140,12 @@ private:
         if (!_options.maxError && !_options.maxMilliseconds)
             return decided;
         _grid.emplace(part().width, part().height, side);
+        // The window in the middle or, where that is void, the next one that is not.
+        const int count = _grid->count();
         const int middle = _grid->rows() / 2 * _grid->columns() + _grid->columns() / 2;
         Result<LitTile> lit = read(middle);
+        for (int i = 1; lit && lit->tile().validCount() == 0 && i < count; ++i)
+            lit = read((middle + i) % count);
         if (!lit)
             return lit.error();
         say("choosing settings on the window in the middle", true);
@@ -194,7 +212,13 @@ private:
         if (!terrain)
             return terrain.error();
         _terrain = std::move(*terrain);
-        if (!sendsFrom())
+        return Nothing{};
+    }
+
+    /// Lights the coarse levels, where windows receive bounced light from them.
+    Status lightAround()
+    {
+        if (_setup.settings.bounces == 0 || _radiance)
             return Nothing{};
         _radiance = std::make_unique<FileRadiance>(_parts->folder());
         FileLock lock(_parts->folder() + "/light.lock"); // jobs wait for the first of them
@@ -215,22 +239,15 @@ private:
         return lightLevels(_gpu->state(), *_terrain, lighting, *_radiance);
     }
 
-    /// Whether ground around a window sends light to it.
-    bool sendsFrom() const
-    {
-        return _setup.settings.bounces > 0 && _setup.settings.bounceMethod == BounceMethod::Slices;
-    }
-
     /// The window's tile, its margin with it, not lit yet.
     Result<LitTile> read(int index)
     {
         if (Status equipped = equip(); !equipped)
             return equipped.error();
-        const PixelWindow pixels = _grid->at(index, marginOf(_setup.settings));
         LitTile lit = tileFor(_options, _setup, _gpu);
         lit.isAlone = false;
         Result<std::shared_ptr<const TileWindows>> terrain =
-            readWindows(*_terrain, 0, postsOf(pixels, _setup.info.frame));
+            readWindows(*_terrain, 0, litAround(index));
         if (!terrain)
             return terrain.error();
         lit.terrain = *terrain;
@@ -250,11 +267,20 @@ private:
         }
         if (_options.albedoFile.empty())
             return lit;
-        Result<Raster<Rgb>> albedo = readAlbedo(_options.albedoFile, infoOf(pixels, _setup.info));
+        Result<Raster<Rgb>> albedo = albedoOfLevel(_options.albedoFile, _setup.info, 0,
+                                                   lit.terrain->place, _setup.settings.albedo);
         if (!albedo)
             return albedo.error();
         lit.albedo = std::move(*albedo);
         return lit;
+    }
+
+    /// A window with its margin, where there is terrain, beyond what is asked for too.
+    PostRect litAround(int index) const
+    {
+        return postsOf(_grid->at(index), _setup.info.frame)
+            .grownBy(marginOf(_setup.settings))
+            .clippedTo(_terrain->extent(0));
     }
 
     /// The values of a window alone, of a band of the tile.
@@ -262,7 +288,7 @@ private:
     {
         const RasterFrame& frame = _setup.info.frame;
         const PostRect inner = postsOf(_grid->at(index), frame);
-        const PostRect outer = postsOf(_grid->at(index, marginOf(_setup.settings)), frame);
+        const PostRect outer = litAround(index);
         Raster<float> result(inner.width, inner.height);
         for (int row = 0; row < inner.height; ++row)
             for (int column = 0; column < inner.width; ++column)
@@ -308,8 +334,12 @@ private:
             if ((!job || index % job->count == job->index - 1) && !_parts->has(index))
                 missing.push_back(index);
         if (!missing.empty())
+        {
             if (Status equipped = equip(); !equipped)
                 return equipped;
+            if (Status lit = lightAround(); !lit)
+                return lit;
+        }
         const int there = _parts->count(count);
         const auto start = Clock::now();
         const std::size_t all = missing.size();

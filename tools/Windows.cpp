@@ -43,15 +43,6 @@ PixelWindow WindowGrid::at(int index) const
             std::min(_windowHeight, _height - row)};
 }
 
-PixelWindow WindowGrid::at(int index, int margin) const
-{
-    const PixelWindow core = at(index);
-    const PostRect more =
-        PostRect{core.column, core.row, core.width, core.height}.grownBy(margin).clippedTo(
-            {0, 0, _width, _height});
-    return {more.column, more.row, more.width, more.height};
-}
-
 PostRect postsOf(const PixelWindow& pixels, const RasterFrame& frame)
 {
     return {frame.westFirst ? pixels.column : frame.width - pixels.column - pixels.width,
@@ -109,11 +100,17 @@ double runBytes(int width, int height, const LightingSettings& settings, int ban
     const double posts = double(width) * height;
     // A ring of the tile's own posts, and coarser levels: in memory, and as a texture.
     const double terrain =
-        3.0 * 4.0 * double(width + 2 * WindowScheme().ring) * (height + 2 * WindowScheme().ring);
+        20.0 * double(width + 2 * WindowScheme().ring) * (height + 2 * WindowScheme().ring);
+    // What coarser levels send: in memory, in floats, and as a texture. They have about as many
+    // posts as half of the tile's and its ring's.
+    const double far = settings.bounces * 20.0 * 0.5 * double(width + 2 * WindowScheme().ring) *
+                       (height + 2 * WindowScheme().ring);
+    // An albedo raster, in memory and as a texture.
+    const double albedo = settings.bounces > 0 ? 20.0 * posts : 0.0;
     // Heights and validity; light or a map and a band of it as they are read back and written.
     const double readBack =
         (5.0 + 16.0 + 3.0 * 4.0) * posts + (bands > 4 ? 4.0 * bands * posts : 0.0);
-    return baseBytes + TileBytes(width, height, settings).all() + terrain + readBack;
+    return baseBytes + TileBytes(width, height, settings).all() + terrain + far + albedo + readBack;
 }
 
 bool fitsInOnePiece(int width, int height, const LightingSettings& settings, int bands,

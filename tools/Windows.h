@@ -31,8 +31,6 @@ struct WindowGrid
     int windowHeight() const { return _windowHeight; }
     /// In pixels of the raster; index: 0 … count() − 1.
     PixelWindow at(int index) const;
-    /// With so many pixels more on each side, where the raster has them.
-    PixelWindow at(int index, int margin) const;
 
 private:
     int _width, _height, _windowWidth, _windowHeight;

@@ -126,7 +126,7 @@ std::string LevelCache::stamp() const
     std::string text = absolute(path) + "\n" + contents + "\n" + stateOf(path) + "\n";
     for (const std::string& file : filesOf(path))
         if (!endsWith(file, ".ovr") && !endsWith(file, suffix))
-            text += file + " " + stateOf(file) + "\n";
+            text += absolute(file) + " " + stateOf(file) + "\n";
     return hashOf(text);
 }
 

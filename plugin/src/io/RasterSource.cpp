@@ -64,6 +64,15 @@ std::string contentsOf(const RasterHeights& heights, const RasterSourceOptions& 
                       options.read.cellSize.value_or(0.0));
 }
 
+/// Parts of a raster have levels of their own, side by side: they begin at the part's first post.
+std::string variantOf(const DemInfo& info)
+{
+    const PixelWindow& window = info.window;
+    if (window.width == info.rasterWidth && window.height == info.rasterHeight)
+        return {};
+    return CPLSPrintf("-%d-%d-%d-%d", window.column, window.row, window.width, window.height);
+}
+
 using Progress = std::function<bool(double)>;
 
 Progress partOf(const Progress& whole, double from, double to)
@@ -134,7 +143,8 @@ Status RasterSource::openRaster(const std::string& path, const RasterSourceOptio
     _ownLastLevel = levelWith(_heights->extent(), mostOwnPosts);
     LevelBuilder builder(_heights->extent(), 0, _ownLastLevel, false);
     auto levels = openLevels(
-        {path, options.cacheFolder, "", contentsOf(*_heights, options)}, builder.planes(), _notes,
+        {path, options.cacheFolder, variantOf(_heights->info()), contentsOf(*_heights, options)},
+        builder.planes(), _notes,
         [&](LevelFileWriter& writer)
         { return build(*_heights, builder, writer, partOf(options.read.progress, 0.0, share)); });
     if (!levels)
@@ -269,9 +279,17 @@ const DemInfo& RasterSource::info() const
 Result<Raster<float>> RasterSource::readPosts(const PostRect& posts)
 {
     Result<Raster<float>> heights = _heights->read(posts);
-    if (heights)
-        if (const Status status = fill(0, CrestAxis::East, posts, *heights); !status)
-            return status.error();
+    if (!heights || _surroundings.empty())
+        return heights;
+    const Raster<float> own = *heights;
+    if (const Status status = fill(0, CrestAxis::East, posts, *heights); !status)
+        return status.error();
+    // Voids of what is lit stay voids.
+    const PostRect lit = posts.clippedTo({0, 0, width(), height()});
+    for (int row = lit.row; row < lit.endRow(); ++row)
+        for (int column = lit.column; column < lit.endColumn(); ++column)
+            heights->at(column - posts.column, row - posts.row) =
+                own.at(column - posts.column, row - posts.row);
     return heights;
 }
 

@@ -166,7 +166,7 @@ void TileSurface::bindFar(GpuPass& pass) const
     if (!_windows)
         return;
     // Rectangles of posts, the tile's level first; texels.
-    constexpr int most = 16; // the size of the arrays in the shaders
+    constexpr int most = TileWindows::mostLevels + 1; // the size of the arrays in the shaders
     const int count = farLevels() + 1;
     assert(count <= most);
     osg::ref_ptr<osg::Uniform> posts =

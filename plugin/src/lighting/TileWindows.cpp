@@ -112,6 +112,12 @@ readWindows(TileSource& source, int level, const PostRect& tile, const WindowSch
     windows->eastSpacings = spacingsOf(source, level, level, near);
     windows->tile = tileOf(source, level, *windows);
 
+    if (source.lastLevel() - level > TileWindows::mostLevels)
+        return Error{ErrorCode::NotSupported,
+                     "the terrain has " + std::to_string(source.lastLevel() - level) +
+                         " coarser levels around a tile: needed at most " +
+                         std::to_string(TileWindows::mostLevels) +
+                         " (coarser posts, or surroundings that reach less far)"};
     PostRect covered = near; // in posts of the tile's level
     for (int far = level + 1; far <= source.lastLevel() && !contains(covered, extent); ++far)
     {

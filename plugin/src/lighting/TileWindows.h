@@ -33,6 +33,8 @@ struct FarLevel
 /// coarser and coarser ones, up to the end of the terrain.
 struct TileWindows
 {
+    static constexpr int mostLevels = 23; ///< posts 2^23 apart are beyond any planet
+
     DemTile tile;
     PostRect place;             ///< of the tile in the whole terrain, in posts of its level
     double lastColumn, lastRow; ///< of the terrain that is lit as one, from (0, 0), in such posts
