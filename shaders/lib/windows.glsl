@@ -103,8 +103,9 @@ Crossing rowCrossing(HeightMap heights, Window window, vec2 place, GridRay ray, 
         real share = (row - across) / ray.drift;
         ivec2 texel = window.texel + post;
         crossing.away = away + share * step;
+        Length nearer = postHeight(heights, texel);
         crossing.height =
-            crossingHeight(postHeight(heights, texel), postHeight(heights, texel + ray.major), share);
+            crossingHeight(nearer, postHeight(heights, texel + ray.major), share);
     }
     return crossing;
 }
