@@ -253,6 +253,14 @@ Status run(const Options& options)
         if (!info)
             return info.error();
         printRaster(options.input, *info);
+        for (const std::string& file : options.extent.surroundings)
+        {
+            const Result<DemInfo> far = describeDem(file);
+            if (!far)
+                return far.error();
+            line("Surroundings", file + ", " + std::to_string(far->rasterWidth) + " x " +
+                                     std::to_string(far->rasterHeight) + " posts");
+        }
         const int width = info->window.width;
         const int height = info->window.height;
         const bool onePiece = fitsInOnePiece(width, height, options.settings, 1, options.extent);

@@ -285,7 +285,11 @@ Status Parts::follow(const Lines& fingerprint, const std::optional<Job>& job,
     _whyAnew = other;
     const Result<Lines> decided = decide();
     if (!decided)
+    {
+        if (!job) // nothing was done: nothing stays
+            fs::remove_all(_folder, failure);
         return decided.error();
+    }
     _decided = *decided;
     errno = 0;
     PendingFile file(manifest, _folder);

@@ -47,6 +47,13 @@ TEST_F(Info, DescribesARaster)
     EXPECT_EQ(valueOf(result.out, "Horizon map:"), 16.92); // 403·344·64·2 bytes
 }
 
+TEST_F(Info, RefusesSurroundingsThatAreNotThere)
+{
+    const ToolRun result = run("info " + jacksboro + " --surroundings nowhere.tif");
+    EXPECT_EQ(result.status, 1);
+    EXPECT_TRUE(result.complains("nowhere.tif")) << result.err;
+}
+
 TEST_F(Info, RateMeasuresTheEstimatedTextures)
 {
     const ToolRun result = run("info " + jacksboro + " --rate --azimuths 8 -srcwin 0 0 128 96");

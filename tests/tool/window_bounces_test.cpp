@@ -98,6 +98,13 @@ TEST_F(WindowBounces, ByABudgetHaveTheSettingsOfAllWindows)
     EXPECT_NE(result.out.find("chosen: "), std::string::npos) << result.out;
 }
 
+TEST_F(WindowBounces, ByABudgetThatCannotBeMetLeaveNothing)
+{
+    const ToolRun result = run("shade d.tif o.tif --bounces 1 --max-ms 0.001 --window-size 256");
+    EXPECT_EQ(result.status, 1);
+    EXPECT_FALSE(std::filesystem::exists(path(".o.tif.windows")));
+}
+
 TEST_F(WindowBounces, OfTheLegendreMethodAreRefused)
 {
     for (const char* window : {"--window-size 128", "-srcwin 100 100 64 64"})
