@@ -100,7 +100,7 @@ TEST_F(WindowBounces, ByABudgetHaveTheSettingsOfAllWindows)
 
 TEST_F(WindowBounces, ByABudgetThatCannotBeMetLeaveNothing)
 {
-    const ToolRun result = run("shade d.tif o.tif --bounces 1 --max-ms 0.001 --window-size 256");
+    const ToolRun result = run("shade d.tif o.tif --bounces 1 --max-ms 1 --window-size 256");
     EXPECT_EQ(result.status, 1);
     EXPECT_FALSE(std::filesystem::exists(path(".o.tif.windows")));
 }

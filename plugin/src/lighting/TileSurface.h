@@ -18,8 +18,8 @@ struct TileWindows;
 /// Heights of one tile and of what surrounds it on the GPU, and the distances between its posts.
 ///
 /// Texels of a tile with windows: post (0, 0) is at (frame, frame), as in a tile without, and the
-/// ring lies in the frame. Coarser levels stand in far(), each once per CrestAxis, with a void
-/// texel around it.
+/// ring lies in the frame. Coarser levels stand in a texture of their own, each once per CrestAxis,
+/// with void texels around it.
 class TileSurface : public GpuWork
 {
 public:
@@ -50,10 +50,10 @@ public:
     int reach() const;
     /// For passes whose lines come from beyond the tile: none where nothing surrounds it.
     std::vector<std::string> farDefines() const;
-    /// Sets windowPosts, windowTexels and farHeights of shaders/lights/windows.glsl.
+    /// Sets windowPosts, windowTexels, farLevels and farHeights of shaders/windows.glsl.
     void bindFar(GpuPass& pass) const;
     /// RGBA16F: what the ground of the coarser levels sends, by level, of FarLevel::posts each;
-    /// where far() has heights for the axis east.
+    /// laid out as the heights for the axis east.
     osg::ref_ptr<Resource> createFarLight(std::vector<Raster<Rgb>> levels) const;
 
     /// Sets heights, eastSpacings, northSpacing, size and frame, as all passes name them.
@@ -66,7 +66,7 @@ public:
 private:
     ~TileSurface() override = default;
 
-    /// Where a level stands in far().
+    /// Where a level stands in the texture.
     struct Place
     {
         int x = 0, y = 0, northX = 0, northY = 0; ///< of its first post, by CrestAxis
