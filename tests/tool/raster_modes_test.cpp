@@ -379,7 +379,8 @@ TEST_F(RasterModes, QuietSaysNothing)
 {
     for (const std::string mode : {"horizon", "svf", "shade", "shadow"})
     {
-        const ToolRun result = run(mode + " " + jacksboro + " o.tif -q -srcwin 0 0 50 50");
+        const ToolRun result =
+            run(mode + " " + jacksboro + " o.tif -q --isolated -srcwin 0 0 50 50");
         EXPECT_EQ(result.status, 0);
         EXPECT_EQ(result.out + result.err, "");
     }
