@@ -56,23 +56,43 @@ Columns columnsBetween(Window window, vec2 place, GridRay ray, real inner, real 
     return columns;
 }
 
-// Height where a ray crosses the column of a window `away` steps from a place, whose major
+// Where a line is at a column of a window, in posts of the window from its first.
+struct ColumnPlace
+{
+    int column;  // along the major axis
+    real across; // along the minor one
+};
+
+// At the column `away` steps from a place, whose major coordinate is whole.
+ColumnPlace columnPlace(Window window, vec2 place, GridRay ray, real away)
+{
+    vec2 from = place - vec2(real(window.first.x), real(window.first.y));
+    bool east = ray.major.x != 0;
+    real step = real(window.step);
+    real along = (east ? from.x : from.y) + real(ray.major.x + ray.major.y) * away;
+    ColumnPlace at;
+    at.column = int(floor(along / step + real(0.5)));
+    at.across = ((east ? from.y : from.x) + ray.drift * away) / step;
+    return at;
+}
+
+ivec2 postOfColumn(GridRay ray, int column, int minor)
+{
+    return ray.major.x != 0 ? ivec2(column, minor) : ivec2(minor, column);
+}
+
+// Height where a line crosses the column of a window `away` steps from a place, whose major
 // coordinate is whole: void where it is outside.
 Length columnHeight(HeightMap heights, Window window, vec2 place, GridRay ray, real away)
 {
-    vec2 from = place - vec2(real(window.first.x), real(window.first.y));
-    real look = real(ray.major.x + ray.major.y);
-    bool east = ray.major.x != 0;
-    real step = real(window.step);
-    int column = int(floor(((east ? from.x : from.y) + look * away) / step + real(0.5)));
-    real across = ((east ? from.y : from.x) + ray.drift * away) / step;
-    int whole = int(floor(across));
-    ivec2 post = east ? ivec2(column, whole) : ivec2(whole, column);
+    ColumnPlace at = columnPlace(window, place, ray, away);
+    int whole = int(floor(at.across));
+    ivec2 post = postOfColumn(ray, at.column, whole);
     if (!hasPost(window, post))
         return VOID_HEIGHT;
     ivec2 texel = window.texel + post;
     return crossingHeight(postHeight(heights, texel), postHeight(heights, texel + ray.minor),
-                          across - real(whole));
+                          at.across - real(whole));
 }
 
 // Where a line crosses a row of a window: steps from a place, and height, void where there is none.
@@ -85,25 +105,20 @@ struct Crossing
 // Between the column `away` steps from a place and the next one, farther away.
 Crossing rowCrossing(HeightMap heights, Window window, vec2 place, GridRay ray, real away)
 {
-    vec2 from = place - vec2(real(window.first.x), real(window.first.y));
-    real look = real(ray.major.x + ray.major.y);
-    bool east = ray.major.x != 0;
-    real step = real(window.step);
-    int column = int(floor(((east ? from.x : from.y) + look * away) / step + real(0.5)));
-    real across = ((east ? from.y : from.x) + ray.drift * away) / step;
-    real beyond = across + ray.drift;
-    real row = floor(max(across, beyond));
+    ColumnPlace at = columnPlace(window, place, ray, away);
+    real beyond = at.across + ray.drift;
+    real row = floor(max(at.across, beyond));
+    ivec2 post = postOfColumn(ray, at.column, int(row));
     Crossing crossing;
     crossing.away = away;
     crossing.height = VOID_HEIGHT;
-    ivec2 post = east ? ivec2(column, int(row)) : ivec2(int(row), column);
-    if (row > min(across, beyond) && hasPost(window, post) && hasPost(window, post + ray.major))
+    if (row > min(at.across, beyond) && hasPost(window, post) && hasPost(window, post + ray.major))
     {
         // The row's posts are one of each column's.
-        real share = (row - across) / ray.drift;
+        real share = (row - at.across) / ray.drift;
         ivec2 texel = window.texel + post;
-        crossing.away = away + share * step;
         Length nearer = postHeight(heights, texel);
+        crossing.away = away + share * real(window.step);
         crossing.height =
             crossingHeight(nearer, postHeight(heights, texel + ray.major), share);
     }

@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
 # Rasters of any size: kills a run ten times with -9, goes on each time, and compares the bytes with
 # those of a run that nobody disturbed; then time and peak memory at several sizes of generated
-# terrain. Usage: any_raster.sh TERRAINLIGHT [FOLDER [SIDE ...]], by default 1000 2000 4000 posts.
+# terrain, and the rate of lighting 2048, 8192 and 32,768 posts a side, the last as a part of a
+# mosaic. Usage: any_raster.sh TERRAINLIGHT [FOLDER [SIDE ...]], by default 1000 2000 4000 posts;
+# SIDE 0: only the kills and the rates. Needs gdalbuildvrt and 2 GB of disk.
 set -euo pipefail
 tool=$(realpath "${1:?needs the path of terrainlight}")
 work=${2:-$(mktemp -d)}
@@ -39,6 +41,7 @@ echo
 echo "| posts a side | mode | seconds | peak MiB | million pixel-azimuths/s |"
 echo "|---|---|---|---|---|"
 for side in "${sides[@]}"; do
+  [[ $side -gt 0 ]] || continue
   [[ -e $side.tif ]] || "$tool" generate fractal "$side.tif" --size "$side" --spacing 30 --seed 1 -q
   for way in "" "--memory 600" "--memory 100000"; do
     # In one piece up to a size that the machine surely has memory for.
@@ -61,3 +64,29 @@ PYTHON
     rm -f lit.tif
   done
 done
+
+echo
+echo "Rates of light alone, sky-view factor, 32 azimuths:"
+[[ -e 8192.tif ]] || "$tool" generate fractal 8192.tif --size 8192 --spacing 30 --seed 1 -q
+if [[ ! -e 32768.vrt ]]; then
+  tiles=()
+  for i in $(seq 0 15); do
+    x=$((i % 4 * 245760)) y=$((i / 4 * 245760))
+    gdal_translate -q -of VRT -a_ullr $x $((y + 245760)) $((x + 245760)) $y 8192.tif "m$i.vrt"
+    tiles+=("m$i.vrt")
+  done
+  gdalbuildvrt -q 32768.vrt "${tiles[@]}"
+fi
+rate()
+{
+  local name=$1
+  shift
+  rm -f rate.tif
+  "$tool" "${svf[@]}" "$@" rate.tif 2>/dev/null | sed -n "s/.*azimuths, \\(.*azimuths.s\\).*/$name: \\1/p"
+}
+for turn in 1 2 3; do
+  rate "2048 posts, whole" 8192.tif -srcwin 3000 3000 2048 2048 --isolated
+  rate "2048 posts of 8192" 8192.tif -srcwin 3000 3000 2048 2048
+  rate "2048 posts of 32768" 32768.vrt -srcwin 15000 15000 2048 2048
+done
+rate "8192 posts, whole" 8192.tif

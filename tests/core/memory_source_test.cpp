@@ -19,16 +19,6 @@ DemTile hills(int width, int height)
     return tile;
 }
 
-Raster<float> heightsOf(const DemTile& tile)
-{
-    Raster<float> heights(tile.width(), tile.height(), std::numeric_limits<float>::quiet_NaN());
-    for (int row = 0; row < tile.height(); ++row)
-        for (int column = 0; column < tile.width(); ++column)
-            if (tile.isValid(column, row))
-                heights.at(column, row) = tile.heightAt(column, row);
-    return heights;
-}
-
 bool same(float a, float b)
 {
     return a == b || (std::isnan(a) && std::isnan(b));

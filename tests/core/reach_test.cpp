@@ -1,3 +1,5 @@
+#include "support/DirectLevels.h"
+
 #include "core/Reach.h"
 
 #include "core/AzimuthSet.h"
@@ -41,16 +43,6 @@ TerrainEdit tower(int column, int row, double top)
     edit.posts = {column, row, 1, 1};
     edit.tops = {top};
     return edit;
-}
-
-Raster<float> heightsOf(const DemTile& tile)
-{
-    Raster<float> heights(tile.width(), tile.height(), std::numeric_limits<float>::quiet_NaN());
-    for (int row = 0; row < tile.height(); ++row)
-        for (int column = 0; column < tile.width(); ++column)
-            if (tile.isValid(column, row))
-                heights.at(column, row) = tile.heightAt(column, row);
-    return heights;
 }
 
 /// The whole terrain in tiles that share their edges, with the exact horizons of every post.

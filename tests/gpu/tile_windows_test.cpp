@@ -245,30 +245,3 @@ TEST(TileWindows, GroundSinksAsThePlanetDoes)
     std::printf("drop at 100 km: %.2f m, %.2f by the closed form\n", drop, exact);
     EXPECT_NEAR(drop, exact, 1e-3 * exact);
 }
-
-// The table of docs/methods/tiles.md: minutes. Run it by --gtest_also_run_disabled_tests.
-TEST(TileTable, DISABLED_OfAllTerrains)
-{
-    OTL_NEED_GL(context);
-    osg::State& state = context->state();
-    std::vector<std::pair<const char*, DemTile>> terrains = {
-        {"fractal", terrain(TerrainKind::Fractal, 1025)},
-        {"cliffs", terrain(TerrainKind::Cliffs, 1025)}};
-    for (const char* file : {"mt_rainier_90m.tif", "halfdome_1s.tif"})
-        if (std::optional<DemTile> real = realDem(file))
-        {
-            real->eastSpacings = {real->nominalEastSpacing()};
-            terrains.emplace_back(file, *real);
-        }
-    for (const auto& [name, tile] : terrains)
-    {
-        std::printf("%s: %d x %d posts\n", name, tile.width(), tile.height());
-        for (const int side : {1, 2, 4, 8})
-            measureHorizons(state, tile, HorizonQuality::Normal, side, name);
-        measureHorizons(state, tile, HorizonQuality::Best, 4, name);
-        for (const int side : {2, 4, 8})
-            expectSkyView(state, tile, side, name);
-        for (const int bounces : {0, 1})
-            expectShading(state, tile, 4, bounces, name);
-    }
-}

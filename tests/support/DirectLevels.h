@@ -1,5 +1,7 @@
 #pragma once
 
+#include <osgTerrainLight/DemTile.h>
+
 #include "core/Raster.h"
 #include "core/TileSource.h"
 
@@ -9,6 +11,17 @@
 
 namespace osgTerrainLight
 {
+
+/// Of a tile, NaN where void.
+inline Raster<float> heightsOf(const DemTile& tile)
+{
+    Raster<float> heights(tile.width(), tile.height(), std::numeric_limits<float>::quiet_NaN());
+    for (int row = 0; row < tile.height(); ++row)
+        for (int column = 0; column < tile.width(); ++column)
+            if (tile.isValid(column, row))
+                heights.at(column, row) = tile.heightAt(column, row);
+    return heights;
+}
 
 /// Heights of coarse posts worked out from their definition, one by one:
 /// C_0[cell] = mean across of the maximum along its 4 posts, C_k = the same of 2 x 2 C_(k-1), and

@@ -39,7 +39,7 @@ void expectPosts(TileSource& source, const PostRect& posts, const Expected& expe
 inline void expectLevelsOfPosts(TileSource& source, int lastLevel)
 {
     PostRect grid = source.extent(0);
-    const PostRect coarse = LevelBuilder::coarser(grid, lastLevel);
+    const PostRect coarse = grid.coarser(lastLevel);
     grid = {coarse.column * (1 << lastLevel), coarse.row * (1 << lastLevel),
             grid.endColumn() - (coarse.column * (1 << lastLevel)),
             grid.endRow() - (coarse.row * (1 << lastLevel))};

@@ -139,7 +139,7 @@ void FarTerrain::findExtent(double reach)
     // A map that does not show all of it, or shows it in two parts, is asked the other way round.
     if (!addOutline(box) || _toPixels->isWholeTurn())
         addSeen(box, limits);
-    _extent = LevelBuilder::coarser(box.inside(limits), _base);
+    _extent = box.inside(limits).coarser(_base);
 }
 
 /// Where the raster's own pixels lie. False where some have no place.
@@ -189,7 +189,7 @@ void FarTerrain::addSeen(Box& box, const PostRect& limits) const
 PostRect FarTerrain::extent(int level) const
 {
     if (level >= _base)
-        return LevelBuilder::coarser(_extent, level - _base);
+        return _extent.coarser(level - _base);
     const int posts = 1 << (_base - level);
     return _extent.empty()
                ? PostRect()
@@ -303,7 +303,7 @@ Result<Raster<float>> FarTerrain::read(int level, CrestAxis axis, const PostRect
     if (inside.empty())
         return result;
     const int finer = _base - level;
-    const PostRect coarse = LevelBuilder::coarser(inside, finer);
+    const PostRect coarse = inside.coarser(finer);
     const Result<Raster<float>> own = _levels->read(_base, axis, coarse);
     if (!own)
         return own.error();

@@ -1,43 +1,17 @@
 #include "io/LevelBuilder.h"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace osgTerrainLight
 {
-namespace
-{
-/// Of a power of two; towards the south-west for numbers below 0 as well.
-int floorOf(int post, int levels)
-{
-    return static_cast<int>(std::floor(std::ldexp(post, -levels)));
-}
-
-int ceilOf(int post, int levels)
-{
-    return static_cast<int>(std::ceil(std::ldexp(post, -levels)));
-}
-} // namespace
-
-PostRect LevelBuilder::coarser(const PostRect& posts, int levels)
-{
-    if (posts.empty())
-        return {};
-    PostRect result;
-    result.column = floorOf(posts.column, levels);
-    result.row = floorOf(posts.row, levels);
-    result.width = ceilOf(posts.endColumn() - 1, levels) + 1 - result.column;
-    result.height = ceilOf(posts.endRow() - 1, levels) + 1 - result.row;
-    return result;
-}
 
 LevelBuilder::LevelBuilder(const PostRect& posts, int base, int last, bool keepsBase)
     : _posts(posts), _base(base), _last(last), _keepsBase(keepsBase)
 {
     const int step = 1 << (last - base);
-    _grid.column = floorOf(posts.column, last - base) * step;
-    _grid.row = floorOf(posts.row, last - base) * step;
+    const PostRect coarsest = posts.coarser(last - base);
+    _grid.column = coarsest.column * step;
+    _grid.row = coarsest.row * step;
     _grid.width = posts.endColumn() - _grid.column;
     _grid.height = posts.endRow() - _grid.row;
 }
@@ -48,7 +22,7 @@ std::vector<LevelPlane> LevelBuilder::planes() const
     if (_keepsBase)
         planes.push_back({_base, _posts, false});
     for (int level = _base + 1; level <= _last; ++level)
-        planes.push_back({level, coarser(_grid, level - _base), true});
+        planes.push_back({level, _grid.coarser(level - _base), true});
     return planes;
 }
 

@@ -24,9 +24,6 @@ public:
     /// The next row of `posts`. False where it cannot be written.
     bool addRow(const float* heights);
 
-    /// The posts of a level so many times coarser that enclose a rectangle.
-    static PostRect coarser(const PostRect& posts, int levels);
-
 private:
     PostRect _posts; ///< that are given
     PostRect _grid;  ///< with void ones before them, so that it begins at a post of every level

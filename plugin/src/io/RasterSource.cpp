@@ -30,24 +30,12 @@ int levelWith(const PostRect& extent, int posts)
     int level = 1;
     const auto side = [&]
     {
-        const PostRect coarse = LevelBuilder::coarser(extent, level);
+        const PostRect coarse = extent.coarser(level);
         return std::max(coarse.width, coarse.height);
     };
     while (side() > posts)
         ++level;
     return level;
-}
-
-PostRect both(const PostRect& a, const PostRect& b)
-{
-    if (a.empty() || b.empty())
-        return a.empty() ? b : a;
-    PostRect result;
-    result.column = std::min(a.column, b.column);
-    result.row = std::min(a.row, b.row);
-    result.width = std::max(a.endColumn(), b.endColumn()) - result.column;
-    result.height = std::max(a.endRow(), b.endRow()) - result.row;
-    return result;
 }
 
 /// What heights depend on beside the raster's files.
@@ -166,7 +154,7 @@ Status RasterSource::openSurroundings(const RasterSourceOptions& options, double
         auto far = FarTerrain::open(file, *_heights, options.reach);
         if (!far)
             return far.error();
-        whole = both(whole, (*far)->extent(0));
+        whole = whole.joinedWith((*far)->extent(0));
         _surroundings.push_back(std::move(*far));
     }
     // Levels on which all of them are sampled, too.
@@ -244,10 +232,9 @@ int RasterSource::height() const
 
 PostRect RasterSource::extent(int level) const
 {
-    PostRect result =
-        level <= _ownLastLevel ? LevelBuilder::coarser(_heights->extent(), level) : PostRect();
+    PostRect result = level <= _ownLastLevel ? _heights->extent().coarser(level) : PostRect();
     for (const auto& far : _surroundings)
-        result = both(result, far->extent(level));
+        result = result.joinedWith(far->extent(level));
     return result;
 }
 

@@ -126,13 +126,10 @@ private:
 PostRect seenOfNext(const TileSource& source, int level, const PostRect& part,
                     const WindowScheme& scheme)
 {
-    const PostRect grown = part.grownBy(scheme.ring);
-    PostRect seen;
-    seen.column = (grown.column >> 1) - scheme.farRing;
-    seen.row = (grown.row >> 1) - scheme.farRing;
-    seen.width = (grown.endColumn() >> 1) + 1 + scheme.farRing - seen.column;
-    seen.height = (grown.endRow() >> 1) + 1 + scheme.farRing - seen.row;
-    return seen.clippedTo(source.extent(level + 1));
+    return part.grownBy(scheme.ring)
+        .coarser(1)
+        .grownBy(scheme.farRing)
+        .clippedTo(source.extent(level + 1));
 }
 
 /// Tiles of `side` posts that cover a rectangle.

@@ -6,6 +6,7 @@
 #include "core/Raster.h"
 #include "core/Result.h"
 #include "core/TileSource.h"
+#include "lighting/TileInputs.h"
 #include "lighting/TileWindows.h"
 
 #include <osg/State>
@@ -80,7 +81,6 @@ Status lightLevels(osg::State& state, TileSource& source, const FarLighting& lig
                    RadianceStore& store);
 
 /// What TileLight::setFarLight() takes, for a tile of a level.
-using FarLight = std::vector<std::vector<Raster<Rgb>>>;
 Result<std::shared_ptr<const FarLight>> readFarLight(RadianceStore& store, int level, int bounces,
                                                      const TileWindows& windows);
 

@@ -30,6 +30,10 @@ inline bool isBlackAlbedo(const Rgb& albedo)
     return albedo[0] <= 0.0f && albedo[1] <= 0.0f && albedo[2] <= 0.0f;
 }
 
+/// What the ground of the coarser levels around a tile sends, radiance: by bounce that it is sent
+/// to, from the first, and by level, of FarLevel::posts each.
+using FarLight = std::vector<std::vector<Raster<Rgb>>>;
+
 /// All that the setters of a tile set.
 struct TileValues
 {
@@ -42,10 +46,7 @@ struct TileValues
     std::shared_ptr<const Raster<std::array<float, 2>>> gloss;
     bool hasGloss = false; ///< some post's is not 0
     std::vector<ProbePlace> probes;
-    /// What the ground of the coarser levels around the tile sends, radiance: by bounce that it is
-    /// sent to, from the first, and by level, as TileSurface::createFarLight() wants it. Null:
-    /// none.
-    std::shared_ptr<const std::vector<std::vector<Raster<Rgb>>>> farLight;
+    std::shared_ptr<const FarLight> farLight; ///< null: none
     osg::ref_ptr<osg::Texture2D> posts; ///< where heights come from; null: the tile's, for good
     bool ownsPosts = false;             ///< posts are not the host's texture
 

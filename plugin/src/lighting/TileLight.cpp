@@ -126,7 +126,7 @@ void TileLight::setGloss(Raster<std::array<float, 2>> gloss)
     _latest.hasGloss = hasGloss;
 }
 
-void TileLight::setFarLight(std::shared_ptr<const std::vector<std::vector<Raster<Rgb>>>> light)
+void TileLight::setFarLight(std::shared_ptr<const FarLight> light)
 {
     assert(_windows);
     Lock lock(_mutex);

@@ -78,9 +78,8 @@ public:
     /// theirs again.
     void setGloss(Raster<std::array<float, 2>> gloss);
 
-    /// What the ground of the windows' coarser levels sends, radiance, for bounces: by bounce that
-    /// it is sent to, from the first, and by level, each of FarLevel::posts. Null: nothing.
-    void setFarLight(std::shared_ptr<const std::vector<std::vector<Raster<Rgb>>>> light);
+    /// For bounces from beyond the tile, whose windows it has. Null: nothing.
+    void setFarLight(std::shared_ptr<const FarLight> light);
 
     /// Places where light from all around is computed. Each has maps of its own. Whether that is a
     /// change.

@@ -9,40 +9,6 @@ namespace osgTerrainLight
 namespace
 {
 
-int floorDivided(int value, int by)
-{
-    return value >= 0 ? value / by : -((-value + by - 1) / by);
-}
-
-int ceilDivided(int value, int by)
-{
-    return -floorDivided(-value, by);
-}
-
-/// Posts of a level `step` times coarser that span a rectangle, and `ring` more on every side.
-PostRect coarser(const PostRect& posts, int step, int ring)
-{
-    PostRect result;
-    result.column = floorDivided(posts.column, step) - ring;
-    result.row = floorDivided(posts.row, step) - ring;
-    result.width = ceilDivided(posts.endColumn() - 1, step) + ring + 1 - result.column;
-    result.height = ceilDivided(posts.endRow() - 1, step) + ring + 1 - result.row;
-    return result;
-}
-
-/// What a rectangle of a level that is `step` times coarser spans.
-PostRect spanned(const PostRect& posts, int step)
-{
-    return {posts.column * step, posts.row * step, (posts.width - 1) * step + 1,
-            (posts.height - 1) * step + 1};
-}
-
-bool contains(const PostRect& outer, const PostRect& inner)
-{
-    return inner.column >= outer.column && inner.row >= outer.row &&
-           inner.endColumn() <= outer.endColumn() && inner.endRow() <= outer.endRow();
-}
-
 /// East spacings of a level's rows, of posts of level `unit` apart.
 std::vector<double> spacingsOf(const TileSource& source, int level, int unit, const PostRect& posts)
 {
@@ -101,10 +67,7 @@ readWindows(TileSource& source, int level, const PostRect& tile, const WindowSch
     windows->lastRow = std::ldexp(source.height() - 1, -level);
     // The tile itself, where it reaches beyond what may be valid too.
     PostRect& near = windows->near;
-    near = tile.grownBy(scheme.ring).clippedTo(extent);
-    const PostRect both = {std::min(near.column, tile.column), std::min(near.row, tile.row), 0, 0};
-    near = {both.column, both.row, std::max(near.endColumn(), tile.endColumn()) - both.column,
-            std::max(near.endRow(), tile.endRow()) - both.row};
+    near = tile.grownBy(scheme.ring).clippedTo(extent).joinedWith(tile);
     Result<Raster<float>> heights = readOwn(source, level, near);
     if (!heights)
         return heights.error();
@@ -119,12 +82,12 @@ readWindows(TileSource& source, int level, const PostRect& tile, const WindowSch
                          std::to_string(TileWindows::mostLevels) +
                          " (coarser posts, or surroundings that reach less far)"};
     PostRect covered = near; // in posts of the tile's level
-    for (int far = level + 1; far <= source.lastLevel() && !contains(covered, extent); ++far)
+    for (int far = level + 1; far <= source.lastLevel() && !covered.contains(extent); ++far)
     {
-        const int step = 1 << (far - level);
         FarLevel made;
         made.level = far - level;
-        made.posts = coarser(covered, step, scheme.farRing).clippedTo(source.extent(far));
+        made.posts =
+            covered.coarser(made.level).grownBy(scheme.farRing).clippedTo(source.extent(far));
         for (const CrestAxis axis : {CrestAxis::East, CrestAxis::North})
         {
             Result<Raster<float>> read = source.readLevel(far, axis, made.posts);
@@ -133,7 +96,7 @@ readWindows(TileSource& source, int level, const PostRect& tile, const WindowSch
             made.heights[axis == CrestAxis::East ? 0 : 1] = std::move(*read);
         }
         made.eastSpacings = spacingsOf(source, far, level, made.posts);
-        covered = spanned(made.posts, step);
+        covered = made.posts.finer(made.level);
         windows->levels.push_back(std::move(made));
     }
     return std::shared_ptr<const TileWindows>(windows);
