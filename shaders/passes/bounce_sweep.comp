@@ -29,7 +29,7 @@ uniform int azimuths;
 uniform int azimuth; // of this dispatch
 layout(std140, binding = 0) uniform Rays
 {
-    vec4 directions[256]; // drift along the minor axis per step, look, 1 where north, -
+    vec4 directions[256]; // drift along the minor axis per step, look, 1 where north, lines' shift
 };
 
 const int BLOCK = 4; // steps in which level 1 gets two pieces
@@ -85,7 +85,7 @@ Line lineOf(int number)
     line.north = direction.z != 0.0;
     line.ray = gridRay(line.drift, line.look, line.north);
     line.length = line.north ? size.yx : size;
-    line.shift = max(line.drift, 0.0) * float(line.length.x - 1);
+    line.shift = max(line.drift, 0.0) * float(line.length.x - 1) + direction.w;
     line.number = number;
     float start = float(number) - line.shift;
     float below = -0.999 - start;
@@ -384,6 +384,11 @@ void serve(Line line, int walked)
 }
 
 #ifdef SURROUNDED
+// Steps that lines of the whole terrain have walked where they come to the tile, less a multiple of
+// 4096. In one piece most lines begin with the first of them, and so do blocks here.
+uniform int walkedBefore;
+const int ALIGNED = 4 * BLOCK;
+
 uniform sampler2D farLight; // radiance that the ground of the coarser levels sends
 // Columns of a window that are joined before they enter the history, 2^3.
 const int SEED_OCTAVES = 3;
@@ -473,7 +478,7 @@ void main()
     int end = max(one.last, other.last);
 #ifdef SURROUNDED
     // Each begins with what it has passed, at the end of which the tile is.
-    begin = line.first;
+    begin = line.first - (line.first + walkedBefore) % ALIGNED;
     end = line.last;
 #endif
     Length stepLength = imageLoad(stepLengths, ivec2(azimuth, size.y / 2)).x;

@@ -79,30 +79,11 @@ void printSkyView(osg::State& state, const DemTile& tile)
 
 void printLight(osg::State& state, const DemTile& tile, int bounces)
 {
-    const TileCase lit = inTheAfternoon(16, bounces);
-    const ReadTile both = [](osg::State& in, TileLight& light)
-    {
-        std::vector<float> values = shadingOf(in, light); // then one more of each post
-        const std::vector<float> bounced = bouncedOf(in, light);
-        std::vector<float> all;
-        for (std::size_t i = 0; i < bounced.size(); ++i)
-            all.insert(all.end(),
-                       {values[3 * i], values[3 * i + 1], values[3 * i + 2], bounced[i]});
-        return all;
-    };
-    const std::vector<float> whole = inOnePiece(state, tile, lit, both);
-    const std::vector<float> found = inTiles(state, tile, lit, 4, both);
-    std::vector<float> shadingWhole, shadingFound, bouncedWhole, bouncedFound;
-    for (std::size_t i = 0; i < whole.size(); ++i)
-    {
-        (i % 4 == 3 ? bouncedWhole : shadingWhole).push_back(whole[i]);
-        (i % 4 == 3 ? bouncedFound : shadingFound).push_back(found[i]);
-    }
-    const Differences shading = differencesOf(shadingWhole, shadingFound);
+    const LightDifferences found = lightDifferences(state, tile, inTheAfternoon(16, bounces), 4);
     std::printf("  16 tiles, %d bounces: shading: mean %.5f p99 %.5f worst %.3f", bounces,
-                shading.mean, shading.p99, shading.worst);
+                found.shading.mean, found.shading.p99, found.shading.worst);
     if (bounces > 0)
-        std::printf("; bounced light: %.2f %%", relativeRms(bouncedWhole, bouncedFound));
+        std::printf("; bounced light: %.2f %%", found.bounced);
     std::printf("\n");
     std::fflush(stdout);
 }

@@ -18,11 +18,6 @@ DemTile hills(int width, int height)
                 tile.setHeight(column, row, static_cast<float>((column * 37 + row * 91) % 113));
     return tile;
 }
-
-bool same(float a, float b)
-{
-    return a == b || (std::isnan(a) && std::isnan(b));
-}
 } // namespace
 
 // Posts are those of the tile, NaN beyond it and where it is void.

@@ -12,6 +12,12 @@
 namespace osgTerrainLight
 {
 
+/// Equal, or both void.
+inline bool same(float a, float b)
+{
+    return a == b || (std::isnan(a) && std::isnan(b));
+}
+
 /// Of a tile, NaN where void.
 inline Raster<float> heightsOf(const DemTile& tile)
 {

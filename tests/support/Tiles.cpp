@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace osgTerrainLight::testing
@@ -171,6 +172,31 @@ double relativeRms(const std::vector<float>& a, const std::vector<float>& b)
         all += static_cast<double>(a[i]) * static_cast<double>(a[i]);
     }
     return 100.0 * std::sqrt(sum / all);
+}
+
+LightDifferences lightDifferences(osg::State& state, const DemTile& tile, const TileCase& lit,
+                                  int side)
+{
+    const ReadTile both = [](osg::State& in, TileLight& light)
+    {
+        const std::vector<float> shading = shadingOf(in, light); // three of each post
+        const std::vector<float> bounced = bouncedOf(in, light);
+        std::vector<float> all;
+        for (std::size_t i = 0; i < bounced.size(); ++i)
+            all.insert(all.end(),
+                       {shading[3 * i], shading[3 * i + 1], shading[3 * i + 2], bounced[i]});
+        return all;
+    };
+    std::array<std::vector<float>, 2> shading, bounced;
+    for (std::size_t way = 0; way < 2; ++way)
+    {
+        const std::vector<float> values =
+            way == 0 ? inOnePiece(state, tile, lit, both) : inTiles(state, tile, lit, side, both);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            (i % 4 == 3 ? bounced : shading)[way].push_back(values[i]);
+    }
+    return {differencesOf(shading[0], shading[1]),
+            lit.settings.bounces > 0 ? relativeRms(bounced[0], bounced[1]) : 0.0};
 }
 
 double seamRatio(const std::vector<float>& values, int width, int height, int side)

@@ -47,6 +47,15 @@ Differences differencesOf(const std::vector<float>& a, const std::vector<float>&
 /// Of b from a, over the root of the mean square of a [%].
 double relativeRms(const std::vector<float>& a, const std::vector<float>& b);
 
+/// What a terrain's light in tiles differs in from its light in one piece.
+struct LightDifferences
+{
+    Differences shading;
+    double bounced = 0.0; ///< relativeRms() of bounced light [%]; 0 without bounces
+};
+LightDifferences lightDifferences(osg::State& state, const DemTile& tile, const TileCase& lit,
+                                  int side);
+
 /// Mean jump of a value per post across the seams between side × side tiles, over that one column
 /// or row inside of them.
 double seamRatio(const std::vector<float>& values, int width, int height, int side);

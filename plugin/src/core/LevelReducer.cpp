@@ -22,12 +22,6 @@ float mean(float a, float b)
     return std::isnan(a) ? b : std::isnan(b) ? a : 0.5f * (a + b);
 }
 
-/// South-west, south-east, north-west, north-east.
-float reduce(int axis, float sw, float se, float nw, float ne)
-{
-    return axis == 0 ? mean(higher(sw, se), higher(nw, ne)) : mean(higher(sw, nw), higher(se, ne));
-}
-
 /// NaN beside the row.
 float at(const std::vector<float>& row, int column)
 {
@@ -44,6 +38,14 @@ LevelReducer::LevelReducer(int width, int height, int levels, Take take)
     assert(width >= 1 && height >= 1 && levels >= 1);
 }
 
+float LevelReducer::crestOf(CrestAxis axis, float southWest, float southEast, float northWest,
+                            float northEast)
+{
+    return axis == CrestAxis::East
+               ? mean(higher(southWest, southEast), higher(northWest, northEast))
+               : mean(higher(southWest, northWest), higher(southEast, northEast));
+}
+
 int LevelReducer::posts(int count, int level)
 {
     const int step = 1 << level;
@@ -57,13 +59,13 @@ void LevelReducer::addRow(const float* heights)
     if (_row > 0 || _height == 1) // a single row has void ones beside it
     {
         std::array<std::vector<float>, 2> cells;
-        for (int axis = 0; axis < 2; ++axis)
+        for (const CrestAxis axis : {CrestAxis::East, CrestAxis::North})
         {
-            std::vector<float>& made = cells[static_cast<std::size_t>(axis)];
+            std::vector<float>& made = cells[axis == CrestAxis::East ? 0 : 1];
             made.resize(static_cast<std::size_t>(std::max(1, _width - 1)));
             for (int i = 0; i < static_cast<int>(made.size()); ++i)
                 made[static_cast<std::size_t>(i)] =
-                    reduce(axis, at(_before, i), at(_before, i + 1), at(row, i), at(row, i + 1));
+                    crestOf(axis, at(_before, i), at(_before, i + 1), at(row, i), at(row, i + 1));
         }
         addCells(1, std::move(cells));
     }
@@ -79,17 +81,18 @@ void LevelReducer::addCells(int level, std::array<std::vector<float>, 2> cells)
     const bool isFirst = now.cells % 2 == 0; // of the two of a cell of this level
     const int width = posts(_width, level);
     std::array<std::vector<float>, 2> made;
-    for (int axis = 0; axis < 2; ++axis)
+    for (const CrestAxis axis : {CrestAxis::East, CrestAxis::North})
     {
-        const std::vector<float>& south = now.last[static_cast<std::size_t>(axis)];
-        const std::vector<float>& north = cells[static_cast<std::size_t>(axis)];
-        std::vector<float>& row = made[static_cast<std::size_t>(axis)];
+        const std::size_t index = axis == CrestAxis::East ? 0 : 1;
+        const std::vector<float>& south = now.last[index];
+        const std::vector<float>& north = cells[index];
+        std::vector<float>& row = made[index];
         row.resize(static_cast<std::size_t>(isFirst ? width : std::max(1, width - 1)));
         for (int i = 0; i < static_cast<int>(row.size()); ++i)
         {
             const int west = isFirst ? 2 * i - 1 : 2 * i;
-            row[static_cast<std::size_t>(i)] = reduce(axis, at(south, west), at(south, west + 1),
-                                                      at(north, west), at(north, west + 1));
+            row[static_cast<std::size_t>(i)] = crestOf(axis, at(south, west), at(south, west + 1),
+                                                       at(north, west), at(north, west + 1));
         }
     }
     // Around a post lie the second row of a cell and the first of the next.

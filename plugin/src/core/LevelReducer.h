@@ -29,6 +29,11 @@ public:
     /// Posts of a level along an axis of so many posts of level 0: to its end or just beyond.
     static int posts(int count, int level);
 
+    /// Of a cell, or around a post, from the four finer ones: their maximum along the axis, the
+    /// mean of that across it. NaN stands for none.
+    static float crestOf(CrestAxis axis, float southWest, float southEast, float northWest,
+                         float northEast);
+
     /// The next row of level 0, `width` heights, NaN where void.
     void addRow(const float* heights);
 

@@ -66,7 +66,7 @@ BounceRays::BounceRays(const PyramidNode& pyramid, const BounceScheme& scheme, i
 void BounceRays::bind(GpuPass& pass) const
 {
     const TileSurface& surface = _pyramid->surface();
-    std::vector<osg::Vec4f> rays = azimuthRays(surface.tile(), _azimuths); // then samples
+    std::vector<osg::Vec4f> rays = azimuthRays(surface, _azimuths); // then samples
     rays.resize(maxAzimuths + maxSamples);
     for (std::size_t i = 0; i < _samples.size(); ++i)
         rays[maxAzimuths + i].set(

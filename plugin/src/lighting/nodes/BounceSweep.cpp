@@ -1,5 +1,6 @@
 #include "lighting/nodes/BounceSweep.h"
 
+#include "core/AzimuthSet.h"
 #include "gpu/GlConstants.h"
 #include "lighting/nodes/AzimuthRays.h"
 
@@ -53,9 +54,11 @@ BounceSweep::BounceSweep(const TileInputs& inputs, const TileSurface& surface,
     for (Resource* resource : {scratch.stepLengths, scratch.gradients, scratch.sums})
         own(resource);
     const int azimuths = inputs.settings.azimuths;
-    const std::vector<osg::Vec4f> rays = azimuthRays(surface.tile(), azimuths);
+    const std::vector<osg::Vec4f> rays = azimuthRays(surface, azimuths);
+    const AzimuthSet set(azimuths);
     for (int k = 0; k < azimuths; ++k)
-        _lines.push_back(lineCount(surface.tile(), rays[static_cast<std::size_t>(k)]));
+        _lines.push_back({lineCount(surface, rays[static_cast<std::size_t>(k)]),
+                          stepsBefore(surface, {surface.tile(), set.direction(k)})});
     for (GpuPass* pass : {_own, _sweep})
     {
         surface.bind(*pass);
@@ -93,7 +96,9 @@ Status BounceSweep::dispatch(osg::State& state, const SentNode& sent, Resource* 
     for (std::size_t k = 0; done && k < _lines.size(); ++k)
     {
         _sweep->set("azimuth", static_cast<int>(k));
-        done = _sweep->dispatch(state, {GpuPass::groupsFor(_lines[k], group), 1, 1});
+        if (far)
+            _sweep->set("walkedBefore", _lines[k].begin & 4095); // not negative
+        done = _sweep->dispatch(state, {GpuPass::groupsFor(_lines[k].count, group), 1, 1});
     }
     _finish->writes(0, light);
     return done ? _finish->dispatch(state, _surface->groups()) : done;

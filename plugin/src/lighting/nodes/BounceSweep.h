@@ -55,10 +55,16 @@ public:
 private:
     ~BounceSweep() override = default;
 
+    struct Lines
+    {
+        int count;
+        int begin; ///< stepsBefore()
+    };
+
     osg::ref_ptr<const TileSurface> _surface;
     LightSources _lights;            ///< none where not the first
     SweepScheme _scheme, _farScheme; ///< of lines of the tile, and of those from beyond it
-    std::vector<int> _lines;         ///< of every azimuth
+    std::vector<Lines> _lines;       ///< of every azimuth
     GpuPass *_own, *_sweep, *_finish;
 };
 

@@ -3,7 +3,7 @@
 #include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
 #include "lighting/TileWindows.h"
-#include "lighting/nodes/GridDirection.h"
+#include "lighting/nodes/AzimuthRays.h"
 
 #include <algorithm>
 #include <cassert>
@@ -96,22 +96,6 @@ int HorizonNode::linesOf(const GridDirection& grid) const
     return 2 + static_cast<int>(lines) + (_surface->windows() ? 1 : 0);
 }
 
-/// How far lines are moved along the minor axis, so that they are the same lines in all tiles of a
-/// terrain, those of the whole lit as one tile [posts].
-double HorizonNode::shiftOf(const GridDirection& grid) const
-{
-    const TileWindows* windows = _surface->windows();
-    if (!windows)
-        return 0.0;
-    const double drift = std::max(grid.drift, 0.0);
-    const double whole = grid.north ? windows->lastRow : windows->lastColumn;
-    const int steps = grid.north ? _surface->height() : _surface->width();
-    const int first = grid.north ? windows->place.row : windows->place.column;
-    const double between = 1.0 / _scheme.linesPerPost;
-    const double shift = drift * (whole - (steps - 1)) - grid.drift * first;
-    return shift - between * std::floor(shift / between);
-}
-
 /// Takes up the directions.
 void HorizonNode::aim()
 {
@@ -126,7 +110,8 @@ void HorizonNode::aim()
     {
         const GridDirection grid(tile, wanted[i]);
         table[i].set(static_cast<float>(grid.drift), static_cast<float>(grid.look),
-                     grid.north ? 1.0f : 0.0f, static_cast<float>(shiftOf(grid)));
+                     grid.north ? 1.0f : 0.0f,
+                     static_cast<float>(lineShift(*_surface, grid, _scheme.linesPerPost)));
         _directions.push_back(table[i]);
         _directions.back().w() = static_cast<float>(i);
         _maxLines = std::max(_maxLines, linesOf(grid));

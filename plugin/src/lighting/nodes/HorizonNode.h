@@ -69,7 +69,6 @@ private:
                                  int directionCount);
     void aim();
     int linesOf(const GridDirection& grid) const;
-    double shiftOf(const GridDirection& grid) const;
 
     osg::ref_ptr<const TileSurface> _surface;
     HorizonScheme _scheme;

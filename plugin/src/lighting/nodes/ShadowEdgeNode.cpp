@@ -47,8 +47,8 @@ Status ShadowEdgeNode::run(osg::State& state)
     }
     _posts->set("sunElevation", static_cast<float>(elevation));
     _posts->set("sunRadius", static_cast<float>(sky.sunAngularRadius * radiansPerDegree));
-    const Status done = _lines->dispatch(
-        state, {GpuPass::groupsFor(lineCount(_surface->tile(), direction), 32), 1, 1});
+    const Status done =
+        _lines->dispatch(state, {GpuPass::groupsFor(lineCount(*_surface, direction), 32), 1, 1});
     return done ? _posts->dispatch(state, _surface->groups()) : done;
 }
 
