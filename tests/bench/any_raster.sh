@@ -23,7 +23,7 @@ while [[ $kills -lt 10 ]]; do
   rm -f killed.tif # where a run was quicker than its end
   "$tool" "${lit[@]}" killed.tif --window-size 256 >out.txt 2>/dev/null &
   process=$!
-  sleep "0.$((2 + RANDOM % 7))"
+  sleep "$((RANDOM % 2)).$((3 + RANDOM % 7))"
   if kill -KILL "$process" 2>/dev/null; then
     kills=$((kills + 1))
   fi
