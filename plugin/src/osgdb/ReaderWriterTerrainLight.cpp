@@ -5,6 +5,7 @@
 #include "io/ReadOption.h"
 #include "osgdb/LostLight.h"
 #include "scene/TerrainModel.h"
+#include "viewer/FirstView.h"
 #include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
@@ -228,6 +229,8 @@ private:
         for (const std::string& note : model.notes)
             OSG_NOTICE << "osgTerrainLight: " << note << std::endl;
         model.node->addEventCallback(new LightingHandler);
+        if (model.terrain.valid())
+            model.node->addEventCallback(new FirstView(model.terrain));
         return ReadResult(model.node.get());
     }
 };

@@ -116,6 +116,18 @@ Result<DemFile> readDrawn(const std::string& path, const DemReadOptions& options
     return file;
 }
 
+osg::BoundingBoxd extentOf(const DemTile& tile)
+{
+    osg::BoundingBoxd box;
+    for (int row = 0; row < tile.height(); ++row)
+        for (int column = 0; column < tile.width(); ++column)
+            if (tile.isValid(column, row))
+                box.expandBy((column - 0.5 * (tile.width() - 1)) * tile.nominalEastSpacing(),
+                             (row - 0.5 * (tile.height() - 1)) * tile.northSpacing,
+                             tile.heightOrigin + static_cast<double>(tile.heightAt(column, row)));
+    return box;
+}
+
 void addNotes(const std::string& path, const DemFile& file, TerrainModel& model)
 {
     for (const std::string& note : file.notes)
@@ -218,6 +230,7 @@ Result<TerrainModel> loadRaster(const std::string& path, const DemReadOptions& r
     osg::ref_ptr<osg::Node> terrain = createTerrain(file->tile);
     terrain->setName(baseName(path));
     model.node->addChild(terrain);
+    model.terrain = extentOf(file->tile);
     if (const Status set = setTimeAndPlace(*model.node, light, file->tile); !set)
         return Error{set.error().code, path + ": " + set.error().message};
     addNotes(path, *file, model);
@@ -292,6 +305,7 @@ Result<TerrainModel> loadMap(const EarthMap& map, const std::string& folder,
         osg::ref_ptr<osg::Node> terrain = createTerrain(*tile, colours);
         terrain->setName(map.name);
         model.node->addChild(terrain);
+        model.terrain = extentOf(*tile);
     }
     else if (!isMissing)
         return Error{ErrorCode::Invalid, source + ": no layer could be read, left out: " + leftOut};

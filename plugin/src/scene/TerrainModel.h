@@ -6,6 +6,8 @@
 #include "io/MapReader.h"
 #include <osgTerrainLight/TerrainLighting.h>
 
+#include <osg/BoundingBox>
+
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +19,7 @@ namespace osgTerrainLight
 struct TerrainModel
 {
     osg::ref_ptr<TerrainLighting> node;
+    osg::BoundingBoxd terrain;         ///< of valid posts [m], as createTerrain() places them
     std::vector<std::string> warnings; ///< parts that are missing from the scene
     std::vector<std::string> notes;    ///< assumptions
 };
