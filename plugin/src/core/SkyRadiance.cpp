@@ -105,6 +105,53 @@ std::array<double, 3> modelRadiance(const SkyLight& sky, const std::array<double
     return radianceOf(sky)(direction);
 }
 
+Raster<Rgb> skyPicture(const SkyLight& sky, int n, const Rgb& albedo, const Rgb& sun)
+{
+    const auto model = radianceOf(sky);
+    const auto radianceAt = [&](const Direction& d)
+    {
+        if (sky.skyHarmonics.empty())
+            return model(d);
+        std::array<double, 3> radiance = {};
+        const auto sh = Glsl<double>().shBasis({d[0], d[1], d[2]});
+        for (std::size_t i = 0; i < sky.skyHarmonics.size(); ++i)
+            for (std::size_t c = 0; c < 3; ++c)
+                radiance[c] += static_cast<double>(sky.skyHarmonics[i][c]) *
+                               sh.c[i / 4][static_cast<int>(i % 4)];
+        return radiance;
+    };
+    const double step = pi / n;
+    const auto elevationOf = [&](int row) { return step * (row + 0.5) - 0.5 * pi; };
+    Raster<Rgb> picture(2 * n, n);
+    std::array<double, 3> irradiance = {};
+    for (std::size_t c = 0; c < 3; ++c)
+        irradiance[c] = std::max(0.0, sky.sunDirection()[2]) * static_cast<double>(sun[c]);
+    for (int row = n / 2; row < n; ++row)
+        for (int column = 0; column < 2 * n; ++column)
+        {
+            const double up = std::sin(elevationOf(row)), side = std::cos(elevationOf(row));
+            const double azimuth = step * (column + 0.5);
+            const auto radiance =
+                radianceAt({side * std::cos(azimuth), side * std::sin(azimuth), up});
+            for (std::size_t c = 0; c < 3; ++c)
+            {
+                picture.at(column, row)[c] = static_cast<float>(std::max(0.0, radiance[c]));
+                irradiance[c] += std::max(0.0, radiance[c]) * up * side * step * step;
+            }
+        }
+    for (int row = 0; row < n / 2; ++row)
+    {
+        const double below = std::min(1.0, -elevationOf(row) / (pi / 18.0));
+        const auto clear = static_cast<float>(below * below * (3.0 - 2.0 * below));
+        for (int column = 0; column < 2 * n; ++column)
+            for (std::size_t c = 0; c < 3; ++c)
+                picture.at(column, row)[c] =
+                    (1.0f - clear) * picture.at(column, n / 2)[c] +
+                    clear * albedo[c] * static_cast<float>(irradiance[c] / pi);
+    }
+    return picture;
+}
+
 std::vector<Rgb> harmonicsOf(const SkyLight& sky)
 {
     if (sky.environment)

@@ -4,6 +4,7 @@
 #include "io/LightParameters.h"
 #include "io/ReadOption.h"
 #include "osgdb/LostLight.h"
+#include "scene/SkyDome.h"
 #include "scene/TerrainModel.h"
 #include "viewer/FirstView.h"
 #include <osgTerrainLight/LightingHandler.h>
@@ -229,8 +230,12 @@ private:
         for (const std::string& note : model.notes)
             OSG_NOTICE << "osgTerrainLight: " << note << std::endl;
         model.node->addEventCallback(new LightingHandler);
+        // Terrain of ours: the scene of somebody else has a view and a sky of its own.
         if (model.terrain.valid())
+        {
             model.node->addEventCallback(new FirstView(model.terrain));
+            addSkyDome(*model.node);
+        }
         return ReadResult(model.node.get());
     }
 };

@@ -24,30 +24,40 @@ osg::Matrixd texelCentres(const osg::Texture2D& shading)
            osg::Matrixd::translate(0.5 / width, 0.5 / height, 0.0);
 }
 
-osg::ref_ptr<osg::Shader> hostShader(osg::Shader::Type type, const std::string& file,
-                                     const std::string& version)
-{
-    Result<std::string> text = ShaderLibrary::instance().source("host/" + file);
-    assert(text.ok());
-    osg::ref_ptr<osg::Shader> shader =
-        new osg::Shader(type, "#version " + version + "\n#line 1\n" + (text ? *text : ""));
-    shader->setName("host/" + file);
-    return shader;
-}
-
-osg::ref_ptr<osg::Shader> glossShader(osg::Shader::Type type, const std::string& version)
+/// Of files in this order; messages call it by the last.
+osg::ref_ptr<osg::Shader> composedShader(osg::Shader::Type type,
+                                         const std::vector<std::string>& files,
+                                         const std::string& version)
 {
     std::string text = "#version " + version + "\n";
-    for (const char* file :
-         {"preamble.glsl", "lib/angle.glsl", "lib/legendre.glsl", "host/terrain_gloss.glsl"})
+    for (const std::string& file : files)
     {
         const Result<std::string> part = ShaderLibrary::instance().source(file);
         assert(part.ok());
         text += "#line 1\n" + (part ? *part : "");
     }
     osg::ref_ptr<osg::Shader> shader = new osg::Shader(type, text);
-    shader->setName("host/terrain_gloss.glsl");
+    shader->setName(files.back());
     return shader;
+}
+
+osg::ref_ptr<osg::Shader> hostShader(osg::Shader::Type type, const std::string& file,
+                                     const std::string& version)
+{
+    return composedShader(type, {"host/" + file}, version);
+}
+
+/// One that writes colours.
+osg::ref_ptr<osg::Shader> colourShader(const std::string& file, const std::string& version)
+{
+    return composedShader(osg::Shader::FRAGMENT, {"host/srgb.glsl", "host/" + file}, version);
+}
+
+osg::ref_ptr<osg::Shader> glossShader(osg::Shader::Type type, const std::string& version)
+{
+    return composedShader(
+        type, {"preamble.glsl", "lib/angle.glsl", "lib/legendre.glsl", "host/terrain_gloss.glsl"},
+        version);
 }
 
 void addGloss(osg::Program& program, const std::string& version)
@@ -87,9 +97,18 @@ osg::ref_ptr<osg::Program> createDefaultProgram(bool glossy)
     for (osg::Shader::Type type : {osg::Shader::VERTEX, osg::Shader::FRAGMENT})
         program->addShader(hostShader(type, "terrain_shading.glsl", version));
     program->addShader(hostShader(osg::Shader::VERTEX, "default_terrain.vert", version + define));
-    program->addShader(hostShader(osg::Shader::FRAGMENT, "default_terrain.frag", version + define));
+    program->addShader(colourShader("default_terrain.frag", version + define));
     if (glossy)
         addGloss(*program, version);
+    return program;
+}
+
+osg::ref_ptr<osg::Program> createSkyProgram()
+{
+    osg::ref_ptr<osg::Program> program = new osg::Program;
+    program->setName("osgTerrainLight sky");
+    program->addShader(hostShader(osg::Shader::VERTEX, "sky_dome.vert", "120"));
+    program->addShader(colourShader("sky_dome.frag", "120"));
     return program;
 }
 
@@ -105,8 +124,8 @@ osg::ref_ptr<osg::Program> createDisplacedProgram(bool lit, bool glossy)
     if (lit)
     {
         program->addShader(hostShader(osg::Shader::FRAGMENT, "terrain_shading.glsl", version));
-        program->addShader(hostShader(osg::Shader::FRAGMENT, "default_terrain.frag",
-                                      version + "\n#define HOLES" + define));
+        program->addShader(
+            colourShader("default_terrain.frag", version + "\n#define HOLES" + define));
         if (glossy)
             addGloss(*program, version);
     }

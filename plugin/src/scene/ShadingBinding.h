@@ -100,4 +100,7 @@ osg::ref_ptr<osg::Program> createDefaultProgram(bool glossy = false);
 /// The same for DynamicTerrain, which it displaces; without light where !lit. Needs OpenGL 3.3.
 osg::ref_ptr<osg::Program> createDisplacedProgram(bool lit, bool glossy = false);
 
+/// The program of a SkyDome.
+osg::ref_ptr<osg::Program> createSkyProgram();
+
 } // namespace osgTerrainLight
