@@ -179,6 +179,9 @@ Result<Raster<Rgb>> FileRadiance::read(int level, int bounce, const PostRect& po
     if (Status opened = open(level); !opened)
         return opened.error();
     const File& file = _files.at(level);
+    if (!file.posts.contains(posts))
+        return Error{ErrorCode::Failed,
+                     path(level) + ": does not reach as far as a window sees: needs to be removed"};
     const PostRect both = posts.clippedTo(file.posts);
     Raster<Rgb> radiance(posts.width, posts.height);
     std::vector<std::uint16_t> line(3 * static_cast<std::size_t>(both.width));

@@ -1,6 +1,5 @@
 #include "Pipeline.h"
 
-#include "Parts.h"
 #include "Picture.h"
 #include "Terrain.h"
 #include "Windows.h"
@@ -133,7 +132,7 @@ bool isOnePiece(const RasterOptions& options, const Product& product, const Setu
 {
     const PixelWindow& part = setup.info.window;
     const bool bouncesAround = setup.settings.bounces > 0 && seesOutside(options, setup.info);
-    return !bouncesAround && !options.extent.job && !Parts::exist(options.output.path) &&
+    return !bouncesAround && !options.extent.job && !windowsWait(options, product) &&
            fitsInOnePiece(part.width, part.height, setup.costs,
                           static_cast<int>(product.bands.size()), options.extent);
 }

@@ -166,10 +166,11 @@ bool FileLock::isThere() const
 
 Parts::Parts(const std::string& output) : _output(output), _folder(folderOf(output)) {}
 
-bool Parts::exist(const std::string& output)
+bool Parts::wait(const std::string& output, const std::function<Lines()>& fingerprint)
 {
-    std::error_code failure;
-    return fs::exists(folderOf(output) + "/" + manifestName, failure);
+    const std::optional<Manifest> found = readManifest(folderOf(output) + "/" + manifestName);
+    return found && (difference(found->fingerprint, fingerprint()).empty() ||
+                     !FileLock(folderOf(output) + "/use.lock").lock(FileLock::Kind::Exclusive));
 }
 
 std::string Parts::path(int window) const

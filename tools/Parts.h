@@ -56,8 +56,8 @@ public:
     static Result<std::unique_ptr<Parts>> open(const std::string& output, const Lines& fingerprint,
                                                const std::optional<Job>& job,
                                                const std::function<Result<Lines>()>& decide);
-    /// Whether a run has left such a folder.
-    static bool exist(const std::string& output);
+    /// Whether a run left such a folder with this fingerprint, or another is at work in it.
+    static bool wait(const std::string& output, const std::function<Lines()>& fingerprint);
 
     /// Empty, or why parts that were there are of no use.
     const std::string& whyAnew() const { return _whyAnew; }

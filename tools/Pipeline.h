@@ -125,6 +125,9 @@ struct Setup
 Status process(const RasterOptions& options, const Product& product);
 /// In windows, of parts that are kept until all are there.
 Status processInWindows(const RasterOptions& options, const Product& product, const Setup& setup);
+/// Whether windows of the same command wait to be gone on with, or another run makes some for the
+/// same output.
+bool windowsWait(const RasterOptions& options, const Product& product);
 
 /// All of a tile but its terrain and what is computed.
 LitTile tileFor(const RasterOptions& options, const Setup& setup, std::shared_ptr<Gpu> gpu);

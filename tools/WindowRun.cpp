@@ -28,14 +28,6 @@ double secondsSince(Clock::time_point start)
 }
 
 /// What a file is told from a later one by.
-std::string stampOf(const std::string& file)
-{
-    std::error_code failure;
-    const auto bytes = fs::file_size(file, failure);
-    const auto time = fs::last_write_time(file, failure).time_since_epoch().count();
-    return std::to_string(bytes) + " bytes, written at " + std::to_string(time);
-}
-
 /// However the path is spelt.
 std::string canonical(const std::string& path)
 {
@@ -67,7 +59,7 @@ Lines fingerprintOf(const RasterOptions& options, const Product& product)
     inputs.insert(inputs.begin(), {options.input, options.albedoFile, product.skyFile});
     for (const std::string& input : inputs)
         for (const std::string& file : input.empty() ? std::vector<std::string>() : filesOf(input))
-            lines.emplace_back("file " + canonical(file), stampOf(file));
+            lines.emplace_back("file " + canonical(file), stateOfFile(file));
     return lines;
 }
 
@@ -357,9 +349,10 @@ private:
                 return Error{lit.error().code, "window " + std::to_string(index + 1) + " of " +
                                                    std::to_string(count) + " (" + place(index) +
                                                    "): " + lit.error().message};
+            ++_windows;
             _posts += double(_grid->at(index).width) * _grid->at(index).height;
         }
-        if (_terrain && !_options.extent.job)
+        if (_terrain)
             sayNotes(_options.input, _terrain->notes(), _setup.info.notes.size());
         return Nothing{};
     }
@@ -390,7 +383,10 @@ private:
         say("done", true);
         if (_posts > 0.0)
             summarise(lit, _product, _posts,
-                      " for " + std::to_string(_grid->count()) + " windows" +
+                      " for " + std::to_string(_windows) +
+                          (_windows < _grid->count() ? " of " + std::to_string(_grid->count())
+                                                     : std::string()) +
+                          " windows" +
                           (_dropped > 0 ? ", " + std::to_string(_dropped) + " hull vertices dropped"
                                         : ""));
         return Nothing{};
@@ -434,12 +430,18 @@ private:
     std::unique_ptr<RasterSource> _terrain;
     std::unique_ptr<FileRadiance> _radiance; ///< null: no light comes from around windows
     // Of this run.
+    int _windows = 0;
     double _posts = 0.0, _seconds = 0.0;
     int _azimuths = 0;
     unsigned _dropped = 0;
 };
 
 } // namespace
+
+bool windowsWait(const RasterOptions& options, const Product& product)
+{
+    return Parts::wait(options.output.path, [&] { return fingerprintOf(options, product); });
+}
 
 Status processInWindows(const RasterOptions& options, const Product& product, const Setup& setup)
 {

@@ -116,6 +116,27 @@ TEST_F(Resume, AnotherOptionOrInputStartsAnew)
     EXPECT_TRUE(contentOf(path("o.tif")) == undisturbed(" --definition horizontal"));
 }
 
+// Windows that another command left have nothing to do with a raster that fits.
+TEST_F(Resume, PartsOfAnotherCommandAreLeftAlone)
+{
+    begin(15);
+    const ToolRun result = run("svf d.tif o.tif --azimuths 4");
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_EQ(result.out.find("window"), std::string::npos) << result.out;
+    EXPECT_EQ(ReadRaster(path("o.tif")).metadata("TERRAINLIGHT_WINDOWS"), "");
+}
+
+// What is said of the data in one piece is said by jobs, too.
+TEST_F(Resume, JobsSayWhatIsAssumed)
+{
+    std::vector<float> heights(120 * 90, 200.0f);
+    std::fill_n(heights.begin() + 1000, 300, -32768.0f);
+    writeRaster("v.tif", 120, 90, heights, {0, 30, 0, 2700, 0, -30}, -1.0);
+    EXPECT_TRUE(run("svf v.tif one.tif --azimuths 4").complains("taken as void"));
+    const ToolRun job = run("svf v.tif o.tif --azimuths 4 --window-size 64 --job 1/2");
+    EXPECT_TRUE(job.complains("taken as void")) << job.err;
+}
+
 // How a result is stored does not matter to its values.
 TEST_F(Resume, AnotherFormatGoesOn)
 {

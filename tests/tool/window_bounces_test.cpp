@@ -55,6 +55,41 @@ TEST_F(WindowBounces, OfAPartAreThoseOfTheWhole)
     EXPECT_LE(differenceFromPart("part.tif", 150, 130), 5e-3);
 }
 
+// A wall that only coarse levels around a part show, where what is lit with the part sees them. Its
+// face is known to a coarse cell, 4 of some 330 posts, and its edges to one: within 10 %.
+TEST_F(WindowBounces, OfAPartComeFromAsFarAsItSees)
+{
+    constexpr int width = 540, height = 240, part = 100;
+    for (const int wall : {300, 430, 460, 500})
+    {
+        std::vector<float> heights(std::size_t(width) * height, 0.0f);
+        for (int row = 0; row < height; ++row)
+            for (int column = wall; column < wall + 30; ++column)
+                heights[static_cast<std::size_t>(row * width + column)] = 4000.0f;
+        writeRaster("wall.tif", width, height, heights, {0, 30, 0, 9000, 0, -30});
+        const std::string sun =
+            " -q --azimuths 16 --sky none --sun 270,30 --albedo 0.8 --bounces 1";
+        ASSERT_EQ(run("shade wall.tif one.tif" + sun).status, 0);
+        ASSERT_EQ(run("shade wall.tif part.tif -srcwin 0 70 100 100" + sun).status, 0);
+        const std::string direct = " -q --azimuths 16 --sky none --sun 270,30";
+        ASSERT_EQ(run("shade wall.tif direct.tif" + direct).status, 0);
+        const ReadRaster whole(path("one.tif")), found(path("part.tif")),
+            unbounced(path("direct.tif"));
+        double bounced = 0.0, expected = 0.0;
+        for (int row = 0; row < part; ++row)
+            for (int column = 0; column < part; ++column)
+            {
+                const double sunlit = unbounced.at(1, column, 70 + row);
+                bounced += static_cast<double>(found.at(1, column, row)) - sunlit;
+                expected += static_cast<double>(whole.at(1, column, 70 + row)) - sunlit;
+            }
+        std::printf("wall at %d: %.6f of %.6f\n", wall, bounced / (part * part),
+                    expected / (part * part));
+        EXPECT_GT(expected, 1e-3 * part * part);
+        EXPECT_NEAR(bounced, expected, 0.1 * expected) << wall;
+    }
+}
+
 TEST_F(WindowBounces, OfAnAlbedoRasterAreThoseOfTheWhole)
 {
     std::vector<float> albedo(460 * 420);

@@ -250,6 +250,66 @@ TEST_F(Windows, SurroundingsCastShadows)
     EXPECT_EQ(shaded.metadata("TERRAINLIGHT_SURROUNDINGS"), "wide.tif");
 }
 
+// A ridge 30 km away that only a second raster knows, of other cells: where its shadow ends by its
+// crest's line to the sun, within a cell of the second raster.
+TEST_F(Windows, SurroundingsCastShadowsFromFarAway)
+{
+    constexpr int columns = 60, farColumns = 60;
+    constexpr double cell = 90.0, farCell = 900.0, crest = -30000.0, top = 2600.0;
+    writeRaster("plain.tif", columns, 40, std::vector<float>(columns * 40, 0.0f),
+                {0, cell, 0, 3600, 0, -cell});
+    // The crest falls by 2 in 9 to either side, and goes on far to the north and south.
+    const double west = crest - 20.5 * farCell;
+    std::vector<float> ridge(farColumns * 160);
+    for (int row = 0; row < 160; ++row)
+        for (int column = 0; column < farColumns; ++column)
+            ridge[static_cast<std::size_t>(row * farColumns + column)] =
+                static_cast<float>(std::max(0.0, top - 200.0 * std::abs(column - 20)));
+    writeRaster("ridge.tif", farColumns, 160, ridge, {west, farCell, 0, 72000, 0, -farCell});
+    for (const double edge : {1000.0, 2700.0, 4000.0})
+    {
+        const double elevation = std::atan2(top, edge - crest) * 180.0 / 3.14159265358979323846;
+        const std::string sun = " --sun 270," + std::to_string(elevation) + " -q" + draft;
+        ASSERT_EQ(run("shadow plain.tif shaded.tif --surroundings ridge.tif" + sun).status, 0);
+        const ReadRaster shaded(path("shaded.tif"));
+        double dark = 0.0; // posts of a row; half of the disc is seen where the shadow ends
+        for (int column = 0; column < columns; ++column)
+            dark += 1.0 - static_cast<double>(shaded.at(1, column, 20));
+        EXPECT_NEAR(dark * cell, edge, farCell);
+        std::printf("shadow of a ridge 30 km away: %.0f m, expected %.0f\n", dark * cell, edge);
+    }
+}
+
+// Voids of what is lit let light pass, whichever windows it is lit in, and whatever surroundings
+// have there.
+TEST_F(Windows, SurroundingsDoNotFillVoidsOfWhatIsLit)
+{
+    constexpr int side = 320;
+    std::vector<float> heights(side * side, 100.0f), mountain(side * side, 100.0f);
+    for (int row = 0; row < side; ++row)
+        for (int column = 0; column < side; ++column)
+        {
+            const auto i = static_cast<std::size_t>(row * side + column);
+            const double away = std::hypot(column - 100.0, row - 160.0);
+            mountain[i] = static_cast<float>(std::max(100.0, 4000.0 - 60.0 * away));
+            if (away < 80.0)
+                heights[i] = -9999.0f;
+        }
+    const std::vector<double> place = {0, 30, 0, 9600, 0, -30};
+    writeRaster("hole.tif", side, side, heights, place);
+    writeRaster("full.tif", side, side, mountain, place);
+    const std::string sun = " --sun 270,12 -q --surroundings full.tif" + draft;
+    ASSERT_EQ(run("shadow hole.tif one.tif" + sun).status, 0);
+    ASSERT_EQ(run("shadow hole.tif many.tif --window-size 64" + sun).status, 0);
+    const ReadRaster one(path("one.tif")), many(path("many.tif"));
+    for (int row = 0; row < side; ++row)
+        for (int column = 190; column < side; ++column)
+        {
+            ASSERT_EQ(one.at(1, column, row), 1.0f);
+            ASSERT_EQ(many.at(1, column, row), 1.0f) << column << ", " << row;
+        }
+}
+
 TEST_F(Windows, InfoSaysWhatItTakes)
 {
     const ToolRun small = run("info d.tif --azimuths 8");

@@ -25,8 +25,8 @@ struct PostRect
     }
     bool contains(const PostRect& other) const
     {
-        return other.column >= column && other.row >= row && other.endColumn() <= endColumn() &&
-               other.endRow() <= endRow();
+        return other.empty() || (other.column >= column && other.row >= row &&
+                                 other.endColumn() <= endColumn() && other.endRow() <= endRow());
     }
 
     PostRect grownBy(int posts) const

@@ -173,6 +173,18 @@ std::string complaintOfFile(const std::string& path)
                : "is a device or a pipe; needed a file";
 }
 
+std::string stateOfFile(const std::string& path)
+{
+    VSIStatBufL stat;
+    if (VSIStatL(path.c_str(), &stat) != 0)
+        return "none";
+    std::error_code failure;
+    const auto time = fs::last_write_time(path, failure);
+    return std::to_string(stat.st_size) + " bytes, written at " +
+           (failure ? std::to_string(stat.st_mtime)
+                    : std::to_string(time.time_since_epoch().count()));
+}
+
 std::string sameFile(const std::vector<std::string>& inputs, const std::string& output)
 {
     std::error_code failure;

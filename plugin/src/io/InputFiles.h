@@ -17,6 +17,10 @@ std::vector<std::string> filesOf(const std::string& input);
 /// Empty, or why a path cannot be read as a file: a pipe would be waited for, and has no size.
 std::string complaintOfFile(const std::string& path);
 
+/// What tells a file from another one of the same name, or of another time: size and time of
+/// change, of a disk in nanoseconds; "none" where there is none. GDAL's own file systems too.
+std::string stateOfFile(const std::string& path);
+
 /// The first of `inputs` that is the same file (device and inode) as `output`; empty: none.
 std::string sameFile(const std::vector<std::string>& inputs, const std::string& output);
 

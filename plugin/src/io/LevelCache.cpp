@@ -38,19 +38,6 @@ std::string absolute(const std::string& path)
     return failure || path.compare(0, 4, "/vsi") == 0 ? path : result.string();
 }
 
-/// Size and time of change of a file, of a disk in nanoseconds.
-std::string stateOf(const std::string& path)
-{
-    std::error_code failure;
-    if (const auto time = fs::last_write_time(path, failure); !failure)
-        if (const auto size = fs::file_size(path, failure); !failure)
-            return std::to_string(size) + " " + std::to_string(time.time_since_epoch().count());
-    VSIStatBufL stat;
-    if (VSIStatL(path.c_str(), &stat) == 0)
-        return std::to_string(stat.st_size) + " " + std::to_string(stat.st_mtime);
-    return "none";
-}
-
 /// Of this user; empty where the system tells of none.
 std::string userFolder()
 {
@@ -123,10 +110,10 @@ std::optional<std::string> make(const std::string& place, const std::string& sta
 
 std::string LevelCache::stamp() const
 {
-    std::string text = absolute(path) + "\n" + contents + "\n" + stateOf(path) + "\n";
+    std::string text = absolute(path) + "\n" + contents + "\n" + stateOfFile(path) + "\n";
     for (const std::string& file : filesOf(path))
         if (!endsWith(file, ".ovr") && !endsWith(file, suffix))
-            text += absolute(file) + " " + stateOf(file) + "\n";
+            text += absolute(file) + " " + stateOfFile(file) + "\n";
     return hashOf(text);
 }
 

@@ -266,17 +266,9 @@ const DemInfo& RasterSource::info() const
 Result<Raster<float>> RasterSource::readPosts(const PostRect& posts)
 {
     Result<Raster<float>> heights = _heights->read(posts);
-    if (!heights || _surroundings.empty())
-        return heights;
-    const Raster<float> own = *heights;
-    if (const Status status = fill(0, CrestAxis::East, posts, *heights); !status)
-        return status.error();
-    // Voids of what is lit stay voids.
-    const PostRect lit = posts.clippedTo({0, 0, width(), height()});
-    for (int row = lit.row; row < lit.endRow(); ++row)
-        for (int column = lit.column; column < lit.endColumn(); ++column)
-            heights->at(column - posts.column, row - posts.row) =
-                own.at(column - posts.column, row - posts.row);
+    if (heights)
+        if (const Status status = fill(0, CrestAxis::East, posts, *heights); !status)
+            return status.error();
     return heights;
 }
 
@@ -292,17 +284,22 @@ Result<Raster<float>> RasterSource::readLevel(int level, CrestAxis axis, const P
 
 Status RasterSource::fill(int level, CrestAxis axis, const PostRect& posts, Raster<float>& heights)
 {
+    // Voids of what is lit are void at all levels: light would depend on which level sees them.
+    const PostRect lit{0, 0, (width() - 1) / (1 << level) + 1, (height() - 1) / (1 << level) + 1};
     for (const auto& far : _surroundings)
     {
-        std::vector<float>& ours = heights.values();
+        const std::vector<float>& ours = heights.values();
         if (posts.clippedTo(far->extent(level)).empty() ||
             std::none_of(ours.begin(), ours.end(), [](float h) { return std::isnan(h); }))
             continue;
         const Result<Raster<float>> theirs = far->read(level, axis, posts);
         if (!theirs)
             return theirs.error();
-        std::transform(ours.begin(), ours.end(), theirs->values().begin(), ours.begin(),
-                       [](float own, float other) { return std::isnan(own) ? other : own; });
+        for (int row = 0; row < posts.height; ++row)
+            for (int column = 0; column < posts.width; ++column)
+                if (float& own = heights.at(column, row);
+                    std::isnan(own) && !lit.contains(posts.column + column, posts.row + row))
+                    own = theirs->at(column, row);
     }
     return Nothing{};
 }

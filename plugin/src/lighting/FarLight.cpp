@@ -32,6 +32,7 @@ Result<Raster<Rgb>> MemoryRadiance::read(int level, int bounce, const PostRect& 
 {
     const Level& kept = _levels.at(level);
     Raster<Rgb> found(posts.width, posts.height);
+    assert(kept.posts.contains(posts)); // what is dark there was never lit
     const PostRect both = posts.clippedTo(kept.posts);
     for (int row = both.row; row < both.endRow(); ++row)
         for (int column = both.column; column < both.endColumn(); ++column)
@@ -122,11 +123,13 @@ private:
     LightingSettings _settings;
 };
 
-/// What tiles of a part of a level see of the next one.
+/// What tiles of a part of a level, and what is lit with them, see of the next one.
 PostRect seenOfNext(const TileSource& source, int level, const PostRect& part,
                     const WindowScheme& scheme)
 {
-    return part.grownBy(scheme.ring)
+    return part.grownBy(bounceMargin)
+        .clippedTo(source.extent(level))
+        .grownBy(scheme.ring)
         .coarser(1)
         .grownBy(scheme.farRing)
         .clippedTo(source.extent(level + 1));
