@@ -205,23 +205,20 @@ TEST(EarthFiles, WhereNothingIsLeftTheErrorNamesAllThatWas)
     }
 }
 
-// Expected: the first elevation that can be read gives the heights; the others are named.
-TEST(EarthFiles, OneElevationIsDrawnAndTheOthersAreNamed)
+// Expected: of layers with the same place the last one is seen; one that cannot be read is named.
+TEST(EarthFiles, TheLastElevationThatCanBeReadIsSeen)
 {
     const Result<EarthMap> map =
-        parseEarth("<map>\n<GDALElevation name='gone' url='no.tif'/>\n"
-                   "<GDALElevation name='used' url='jacksboro_90m.tif' z_factor='2'/>\n"
-                   "<GDALElevation name='spare' url='jacksboro_90m.tif'/></map>",
+        parseEarth("<map>\n<GDALElevation name='under' url='jacksboro_90m.tif'/>\n"
+                   "<GDALElevation name='over' url='jacksboro_90m.tif' z_factor='2'/>\n"
+                   "<GDALElevation name='gone' url='no.tif'/></map>",
                    "m.earth");
     ASSERT_TRUE(map) << map.error().message;
     const Result<TerrainModel> model = loadMap(*map, OTL_SOURCE_DIR "/samples/data", "m.earth");
     ASSERT_TRUE(model) << model.error().message;
-    ASSERT_EQ(model->warnings.size(), 2u);
-    EXPECT_EQ(model->warnings[0].rfind("m.earth:2: left out <GDALElevation name=\"gone\">: ", 0),
+    ASSERT_EQ(model->warnings.size(), 1u);
+    EXPECT_EQ(model->warnings[0].rfind("m.earth:4: left out <GDALElevation name=\"gone\">: ", 0),
               0u);
-    EXPECT_EQ(model->warnings[1],
-              "m.earth:4: left out <GDALElevation name=\"spare\">: only the first elevation "
-              "that can be read is used");
     // The sample has heights of 236 m to 1076 m.
     const osg::BoundingSphere& bound = model->node->getBound();
     EXPECT_NEAR(bound.center().z(), 2.0 * 656.0, 2.0);

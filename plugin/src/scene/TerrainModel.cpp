@@ -1,5 +1,6 @@
 #include "scene/TerrainModel.h"
 
+#include "io/CompositeDem.h"
 #include "io/MapPlace.h"
 #include "scene/TerrainTileReader.h"
 #include <osgTerrainLight/Environment.h>
@@ -105,23 +106,6 @@ std::string baseName(const std::string& path)
     return osgDB::getSimpleFileName(path);
 }
 
-/// A DEM with as many posts as are drawn.
-Result<DemFile> readDrawn(const std::string& path, const DemReadOptions& options)
-{
-    Result<DemFile> file = readDemReduced(path, options, mostDrawnPosts);
-    if (file && (file->tile.width() < 2 || file->tile.height() < 2))
-        return Error{ErrorCode::Invalid, path + ": has " + std::to_string(file->tile.width()) +
-                                             " x " + std::to_string(file->tile.height()) +
-                                             " posts; needs at least 2 x 2 to be drawn"};
-    return file;
-}
-
-void addNotes(const std::string& path, const DemFile& file, TerrainModel& model)
-{
-    for (const std::string& note : file.notes)
-        model.notes.push_back(path + ": " + note);
-}
-
 std::string resolved(const std::string& url, const std::string& folder)
 {
     const bool whole = osgDB::isAbsolutePath(url) || url.compare(0, 4, "/vsi") == 0;
@@ -210,7 +194,7 @@ Status setTimeAndPlace(TerrainLighting& node, const LightParameters& light,
 Result<TerrainModel> loadRaster(const std::string& path, const DemReadOptions& read,
                                 const LightParameters& light)
 {
-    const Result<DemFile> file = readDrawn(path, read);
+    const Result<DemFile> file = readDrawn(path, read, mostDrawnPosts);
     if (!file)
         return file.error();
     TerrainModel model;
@@ -220,7 +204,8 @@ Result<TerrainModel> loadRaster(const std::string& path, const DemReadOptions& r
     model.node->addChild(terrain);
     if (const Status set = setTimeAndPlace(*model.node, light, file->tile); !set)
         return Error{set.error().code, path + ": " + set.error().message};
-    addNotes(path, *file, model);
+    for (const std::string& note : file->notes)
+        model.notes.push_back(path + ": " + note);
     return model;
 }
 
@@ -244,25 +229,14 @@ Result<TerrainModel> loadMap(const EarthMap& map, const std::string& folder,
         isMissing = isMissing && reason.code == ErrorCode::NotFound;
     };
 
-    std::optional<DemTile> tile;
+    std::vector<DemLayer> dems;
     for (const EarthLayer& layer : map.elevations)
-    {
-        if (tile)
-        {
-            leaveOut(layer,
-                     {ErrorCode::Invalid, "only the first elevation that can be read is used"});
-            continue;
-        }
-        const std::string path = resolved(layer.url, folder);
-        const Result<DemFile> file = readDrawn(path, layer.read);
-        if (!file)
-        {
-            leaveOut(layer, file.error());
-            continue;
-        }
-        tile = file->tile;
-        addNotes(path, *file, model);
-    }
+        dems.push_back({resolved(layer.url, folder), layer.read});
+    CompositeDem composite = readComposite(dems, mostDrawnPosts);
+    for (const auto& [number, reason] : composite.leftOut)
+        leaveOut(map.elevations[number], reason);
+    model.notes.insert(model.notes.end(), composite.notes.begin(), composite.notes.end());
+    std::optional<DemTile> tile = std::move(composite.tile);
     std::vector<ColourImage> colours;
     for (const EarthLayer& layer : map.images)
     {

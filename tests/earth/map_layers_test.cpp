@@ -1,0 +1,105 @@
+// What the layers of a map make together.
+#include "io/DemReader.h"
+#include "io/EarthFile.h"
+#include "scene/TerrainModel.h"
+#include "scene/TerrainTileReader.h"
+
+#include <gdal_priv.h>
+#include <gtest/gtest.h>
+#include <ogr_spatialref.h>
+#include <osg/NodeVisitor>
+
+#include <cmath>
+#include <string>
+
+using namespace osgTerrainLight;
+
+namespace
+{
+const std::string folder = OTL_SOURCE_DIR "/earth_files";
+
+TerrainModel modelOf(const std::string& name)
+{
+    const std::string path = folder + "/" + name;
+    const Result<EarthMap> map = readEarthFile(path);
+    EXPECT_TRUE(map) << (map ? "" : map.error().message);
+    Result<TerrainModel> model =
+        map ? loadMap(*map, folder, path) : Result<TerrainModel>(map.error());
+    EXPECT_TRUE(model) << (model ? "" : model.error().message);
+    return model ? *model : TerrainModel{};
+}
+
+const DemTile& tileOf(const TerrainModel& model)
+{
+    struct Finder : osg::NodeVisitor
+    {
+        Finder() : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN) {}
+        void apply(osg::Node& node) override
+        {
+            if (const auto* data = dynamic_cast<const DemData*>(node.getUserData()))
+                tile = &data->tile;
+            traverse(node);
+        }
+        const DemTile* tile = nullptr;
+    };
+    static const DemTile none(2, 2, 1.0);
+    Finder finder;
+    if (model.node)
+        model.node->accept(finder);
+    EXPECT_TRUE(finder.tile);
+    return finder.tile ? *finder.tile : none;
+}
+} // namespace
+
+// Expected: in the cone its formula, at the metres that PROJ gives for each post; whole metres are
+// out by 0.5 m, and a square of 50 m is bilinear within 50^2 / 8 * 0.4 / distance. Around the cone
+// the samples of the first layer.
+TEST(MapLayers, AConeInUtmOverHeightsInDegrees)
+{
+    const TerrainModel model = modelOf("inset.earth");
+    EXPECT_TRUE(model.warnings.empty());
+    const DemTile& tile = tileOf(model);
+    const Result<DemFile> base = readDem(OTL_SOURCE_DIR "/samples/data/jacksboro_90m.tif");
+    ASSERT_TRUE(base);
+    const DemTile& under = base->tile;
+    OGRSpatialReference utm, degrees;
+    utm.importFromEPSG(32616);
+    degrees.importFromEPSG(4326);
+    degrees.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    const std::unique_ptr<OGRCoordinateTransformation> toUtm(
+        OGRCreateCoordinateTransformation(&degrees, &utm));
+    int onCone = 0, around = 0;
+    for (int row = 2; row < tile.height() - 2; row += 3)
+        for (int column = 2; column < tile.width() - 2; column += 3)
+        {
+            const double longitude = tile.mapOriginX + column * tile.mapStepX;
+            const double latitude = tile.mapOriginY + row * tile.mapStepY;
+            double x = longitude, y = latitude;
+            ASSERT_TRUE(toUtm->Transform(1, &x, &y));
+            const double distance = std::hypot(x - 746000.0, y - 4054000.0);
+            ASSERT_TRUE(tile.isValid(column, row));
+            const double height = tile.heightOrigin + double(tile.heightAt(column, row));
+            if (distance > 200.0 && distance < 1900.0)
+            {
+                ++onCone;
+                ASSERT_NEAR(height, 1400.0 - 0.4 * distance, 1.5) << distance;
+            }
+            if (distance > 2100.0)
+            {
+                ++around;
+                const double across = (longitude - under.mapOriginX) / under.mapStepX;
+                const double up = (latitude - under.mapOriginY) / under.mapStepY;
+                const int left = static_cast<int>(across), low = static_cast<int>(up);
+                const auto at = [&](int i, int k)
+                { return under.heightOrigin + double(under.heightAt(left + i, low + k)); };
+                const double shareX = across - left, shareY = up - low;
+                ASSERT_NEAR(height,
+                            (1.0 - shareY) * ((1.0 - shareX) * at(0, 0) + shareX * at(1, 0)) +
+                                shareY * ((1.0 - shareX) * at(0, 1) + shareX * at(1, 1)),
+                            1.0)
+                    << column << ", " << row;
+            }
+        }
+    EXPECT_GT(onCone, 300);
+    EXPECT_GT(around, 10000);
+}
