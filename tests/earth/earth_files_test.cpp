@@ -191,8 +191,11 @@ TEST(EarthFiles, WhereNothingIsLeftTheErrorNamesAllThatWas)
           "<GDALElevation name=\"hidden\"> (line 4: visible is off)"}},
         {"<GDALElevation><connection>pg</connection></GDALElevation>\n<image driver='agglite'/>",
          {"<GDALElevation> (line 2: has no url)", "<image driver=\"agglite\"> (line 3"}},
-        {"<CompositeElevation><layers><GDALElevation url='a'/></layers></CompositeElevation>",
-         {"<CompositeElevation> (line 2"}},
+        {"<CompositeElevation name='c'><layers/></CompositeElevation>",
+         {"<CompositeElevation name=\"c\"> (line 2: has no layers)"}},
+        {"<CompositeElevation><layers>\n<TMSElevation/>\n<GDALElevation/></layers>"
+         "</CompositeElevation>",
+         {"<TMSElevation> (line 3: of a kind", "<GDALElevation> (line 4: has no url)"}},
         {"", {"needs <elevation driver=\"gdal\"> or <image driver=\"gdal\"> with a url"}}};
     for (const auto& [layers, named] : maps)
     {
@@ -222,6 +225,55 @@ TEST(EarthFiles, TheLastElevationThatCanBeReadIsSeen)
     // The sample has heights of 236 m to 1076 m.
     const osg::BoundingSphere& bound = model->node->getBound();
     EXPECT_NEAR(bound.center().z(), 2.0 * 656.0, 2.0);
+}
+
+// Expected: the layers of a composite stand in its place, in their order.
+TEST(EarthFiles, LayersOfCompositesAreDrawnInTheirPlace)
+{
+    const Result<EarthMap> map = parseEarth(R"(<map>
+  <GDALElevation url="a"/>
+  <CompositeElevation cache="no"><layers>
+    <GDALElevation url="b" unit="ft"/>
+    <GDALElevation url="off" open="false"/>
+    <compositeelevation><layers><gdalelevation url="c"/></layers></compositeelevation>
+    <GDALImage name="wrong" url="x"/>
+    <Rocky/>
+  </layers></CompositeElevation>
+  <heightfield driver="Composite"><elevation driver="gdal" url="d"/><heightfield driver="gdal"
+    url="e"/></heightfield>
+  <CompositeElevation enabled="false"><layers><GDALElevation url="y"/></layers></CompositeElevation>
+  <GDALElevation url="f"/>
+  <image driver="composite"><name>two</name><image driver="gdal" url="g"/>
+    <image driver="gdal" url="h"/></image>
+</map>)",
+                                            "m.earth");
+    ASSERT_TRUE(map) << map.error().message;
+    std::string urls;
+    for (const EarthLayer& layer : map->elevations)
+        urls += layer.url;
+    EXPECT_EQ(urls, "abcdef");
+    EXPECT_EQ(map->elevations[1].read.heightUnit, "ft");
+    ASSERT_EQ(map->images.size(), 2u);
+    EXPECT_EQ(map->images[1].url, "h");
+    ASSERT_EQ(map->warnings.size(), 1u);
+    EXPECT_EQ(map->warnings[0],
+              "m.earth: left out: <GDALImage name=\"wrong\"> (line 7: a part of a composite of "
+              "elevations), <Rocky> (line 8: of a kind that is not known here)");
+    ASSERT_EQ(map->notes.size(), 1u);
+    EXPECT_EQ(map->notes[0],
+              "m.earth: skipped: <GDALElevation> (line 5: open is false), keys of "
+              "<CompositeElevation> (line 3: not read here: cache), <CompositeElevation> (line 12: "
+              "enabled is false)");
+}
+
+TEST(EarthFiles, CompositesInCompositesEnd)
+{
+    std::string text = "<GDALImage url='a'/>";
+    for (int i = 0; i < 3000; ++i)
+        text = "<CompositeImage>" + text + "</CompositeImage>";
+    const Result<EarthMap> map = parseEarth("<map>" + text + "</map>", "m.earth");
+    ASSERT_FALSE(map);
+    EXPECT_NE(map.error().message.find("too deep"), std::string::npos);
 }
 
 TEST(EarthFiles, LightInAnyCase)

@@ -103,3 +103,12 @@ TEST(MapLayers, AConeInUtmOverHeightsInDegrees)
     EXPECT_GT(onCone, 300);
     EXPECT_GT(around, 10000);
 }
+
+// Expected: what the same layers make without composites.
+TEST(MapLayers, CompositesAreTheirLayers)
+{
+    const TerrainModel composites = modelOf("composite.earth");
+    const TerrainModel alone = modelOf("inset.earth");
+    EXPECT_TRUE(composites.warnings.empty());
+    EXPECT_EQ(tileOf(composites).heights(), tileOf(alone).heights());
+}
