@@ -276,6 +276,20 @@ TEST(EarthFiles, CompositesInCompositesEnd)
     EXPECT_NE(map.error().message.find("too deep"), std::string::npos);
 }
 
+// Expected: as the map of this name has them; x and y of the second are those of the cone's axis.
+TEST(EarthFiles, Viewpoints)
+{
+    const Result<EarthMap> map = readEarthFile(OTL_SOURCE_DIR "/earth_files/viewpoints.earth");
+    ASSERT_TRUE(map) << map.error().message;
+    ASSERT_EQ(map->viewpoints.size(), 2u);
+    EXPECT_EQ(map->viewpoints[0].name, "along the fault");
+    EXPECT_EQ(map->viewpoints[0].range, 12000.0);
+    EXPECT_EQ(map->viewpoints[0].longitude, -84.2);
+    EXPECT_NEAR(map->viewpoints[1].longitude, -84.249866892, 1.0e-8);
+    EXPECT_NEAR(map->viewpoints[1].latitude, 36.599800403, 1.0e-8);
+    EXPECT_EQ(map->viewpoints[1].range, 30000.0);
+}
+
 TEST(EarthFiles, LightInAnyCase)
 {
     const Result<EarthMap> map = parseEarth(
@@ -328,7 +342,7 @@ TEST(EarthFiles, WhateverMayDrawAndIsNotKnownIsAWarning)
         {"<Options/>", false},
         {"<libraries>a;b</libraries>", false},
         {"<profile>global-geodetic</profile>", false},
-        {"<viewpoints><viewpoint/></viewpoints>", false},
+        {"<viewpoints><time>1</time></viewpoints>", false},
         {"<extensions/>", false},
         {"<name>m</name>", false},
         {"<model visible='false'/>", false}};

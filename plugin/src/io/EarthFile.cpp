@@ -120,27 +120,60 @@ private:
 
     Status readElement(const pugi::xml_node& element)
     {
-        if (lowerCase(element.name()) == "terrain_light")
+        const std::string tag = lowerCase(element.name());
+        if (tag == "terrain_light")
             return readTerrainLight(_xml, element, _map.light);
+        if (tag == "viewpoints")
+        {
+            readViewpoints(element);
+            return Nothing{};
+        }
         return readLayer(element, nullptr, 0);
+    }
+
+    void readViewpoints(const pugi::xml_node& element)
+    {
+        for (const pugi::xml_node& child : element.children())
+        {
+            if (lowerCase(child.name()) != "viewpoint")
+                continue;
+            const std::string what = whatOf(child);
+            if (const Result<EarthViewpoint> viewpoint = readViewpoint(child))
+            {
+                _map.viewpoints.push_back(*viewpoint);
+                nameUnread(child, what, {viewpointKeys.begin(), viewpointKeys.end()});
+            }
+            else
+                _map.warnings.push_back(
+                    _xml.error(_xml.lineOf(child),
+                               "left out " + what + ": " + viewpoint.error().message)
+                        .message);
+        }
+        nameUnread(element, whatOf(element), {"viewpoint"});
+    }
+
+    /// As messages call it.
+    static std::string whatOf(const pugi::xml_node& element)
+    {
+        std::string what = std::string("<") + element.name();
+        for (const char* key : {"driver", "name"})
+            if (const std::string value = valueOf(element, key); !value.empty())
+                what += std::string(" ") + key + "=\"" + value + "\"";
+        return what + ">";
     }
 
     /// composite: what it is a part of, or null; depth: in composites.
     Status readLayer(const pugi::xml_node& element, const LayerKind* composite, int depth)
     {
         const std::string tag = lowerCase(element.name());
-        const std::string driver = valueOf(element, "driver");
-        const std::string name = valueOf(element, "name");
-        const std::string what = std::string("<") + element.name() +
-                                 (driver.empty() ? "" : " driver=\"" + driver + "\"") +
-                                 (name.empty() ? "" : " name=\"" + name + "\"") + ">";
+        const std::string what = whatOf(element);
         for (const char* key : {"open", "enabled", "visible"})
             if (isNo(valueOf(element, key)))
             {
                 leaveOut(element, what, std::string(key) + " is " + valueOf(element, key), false);
                 return Nothing{};
             }
-        const std::optional<LayerKind> kind = kindOf(tag, lowerCase(driver));
+        const std::optional<LayerKind> kind = kindOf(tag, lowerCase(valueOf(element, "driver")));
         if (!kind || (kind->driver != "gdal" && kind->driver != "composite"))
         {
             leaveOut(element, what, "of a kind that is not known here",

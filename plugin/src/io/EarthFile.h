@@ -2,6 +2,7 @@
 
 #include "core/Result.h"
 #include "io/DemReader.h"
+#include "io/EarthViewpoint.h"
 #include "io/LightParameters.h"
 
 #include <string>
@@ -26,9 +27,10 @@ struct EarthMap
     std::vector<EarthLayer> elevations;
     std::vector<EarthLayer> images; ///< bottom first
     LightParameters light;
-    std::string leftOut;               ///< all elements that are not drawn, and why; one list
-    std::vector<std::string> warnings; ///< those that somebody may look for in the picture
-    std::vector<std::string> notes;    ///< what else was left out, and why
+    std::vector<EarthViewpoint> viewpoints; ///< in their order
+    std::string leftOut;                    ///< all elements that are not drawn, and why; one list
+    std::vector<std::string> warnings;      ///< those that somebody may look for in the picture
+    std::vector<std::string> notes;         ///< what else was left out, and why
 };
 
 /// Names of elements and keys may be in any case; a key is an attribute or a child. A layer that is
