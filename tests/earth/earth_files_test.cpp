@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -288,6 +289,102 @@ TEST(EarthFiles, Viewpoints)
     EXPECT_NEAR(map->viewpoints[1].longitude, -84.249866892, 1.0e-8);
     EXPECT_NEAR(map->viewpoints[1].latitude, 36.599800403, 1.0e-8);
     EXPECT_EQ(map->viewpoints[1].range, 30000.0);
+}
+
+// Expected: the time of osgEarth's sky, wherever it stands, is that of <terrain_light> alone; half
+// past seven in the evening is 19.5 hours.
+TEST(EarthFiles, TheTimeOfTheSkyIsThatOfTheSun)
+{
+    UtcTime wanted;
+    ASSERT_TRUE(readUtcTime("2024-06-20T19:30Z", wanted).empty());
+    for (const char* sky : {"<sky driver='simple' hours='19.5' date_time='2024-06-20T03:00:00Z'/>",
+                            "<Sky><Date_Time>2024-06-20T21:30+02:00</Date_Time></Sky>",
+                            "<options><sky hours='19.5' date_time='2024-06-20'/></options>",
+                            "<extensions><sky><hours>19.5</hours><date_time>2024-06-20</"
+                            "date_time></sky></extensions>",
+                            "<external><sky hours='19.5' date_time='2024-06-20'/></external>",
+                            "<sky date_time='2024-06-20T19:30'/><terrain_light exposure='1'/>"})
+    {
+        const Result<EarthMap> map =
+            parseEarth(std::string("<map><GDALImage url='b.tif'/>") + sky + "</map>", "m.earth");
+        ASSERT_TRUE(map) << map.error().message;
+        EXPECT_TRUE(map->warnings.empty() && map->notes.empty()) << sky;
+        ASSERT_TRUE(map->light.time) << sky;
+        EXPECT_EQ(toString(*map->light.time), toString(wanted)) << sky;
+    }
+}
+
+// Expected: hours alone are of today, and the rest of the day's time is theirs.
+TEST(EarthFiles, HoursOfTheSkyAreOfToday)
+{
+    const auto today = []
+    { return std::chrono::system_clock::now().time_since_epoch() / std::chrono::hours(24); };
+    const auto before = today();
+    const Result<EarthMap> map =
+        parseEarth("<map><GDALImage url='b.tif'/><sky hours='6.25'/></map>", "m.earth");
+    ASSERT_TRUE(map && map->light.time);
+    const auto since = map->light.time->time_since_epoch();
+    EXPECT_TRUE(since / std::chrono::hours(24) == before ||
+                since / std::chrono::hours(24) == today());
+    EXPECT_EQ(since % std::chrono::hours(24), std::chrono::minutes(375));
+}
+
+// Expected: a sun that <terrain_light> has, in whatever way and place, is not replaced, and that is
+// said. A time that cannot be read is a warning; a sky without time is named.
+TEST(EarthFiles, TheSkyOfOsgEarthComesAfterTheLight)
+{
+    for (const char* light : {"time='2020-01-01T00:00'", "sun_azimuth='10'", "Sun_Elevation='10'",
+                              "sky='panorama.exr'"})
+        for (const bool isFirst : {false, true})
+        {
+            const std::string sky = "<sky hours='1'/>";
+            const Result<EarthMap> map =
+                parseEarth("<map><GDALImage url='b.tif'/>" + (isFirst ? sky : "") +
+                               "<terrain_light " + light + "/>" + (isFirst ? "" : sky) + "</map>",
+                           "m.earth");
+            ASSERT_TRUE(map) << map.error().message;
+            EXPECT_TRUE(!map->light.time || toString(*map->light.time) == "2020-01-01T00:00:00Z");
+            ASSERT_EQ(map->notes.size(), 1u) << light;
+            EXPECT_EQ(map->notes[0],
+                      "m.earth: skipped: <sky> (line 1: the sun is that of <terrain_light>)");
+        }
+    const std::pair<const char*, const char*> wrongs[] = {
+        {"<sky hours='25'/>", "m.earth:2: left out <sky>: hours = \"25\": needs"},
+        {"<sky hours='noon'/>", "hours = \"noon\": needs a number of hours of UTC, 0 ... 24"},
+        {"<sky date_time='soon'/>", "date_time = \"soon\": needs a time"},
+        {"<sky driver='gl'/>", "<sky driver=\"gl\"> (line 2: has neither hours nor date_time)"},
+        {"<sky hours='1' visible='no'/>", "<sky> (line 2: visible is no)"},
+        {"<sky hours='1' pbr='true'/>", "keys of <sky> (line 2: not read here: pbr)"},
+        {"<options><sky hours='1'/><terrain/></options>",
+         "<options> (line 2: only its sky and its viewpoints are read)"}};
+    for (const auto& [sky, named] : wrongs)
+    {
+        const Result<EarthMap> map =
+            parseEarth(std::string("<map><GDALImage url='b.tif'/>\n") + sky + "</map>", "m.earth");
+        ASSERT_TRUE(map) << map.error().message;
+        ASSERT_EQ(map->warnings.size() + map->notes.size(), 1u) << sky;
+        const std::string& said = (map->warnings.empty() ? map->notes : map->warnings)[0];
+        EXPECT_NE(said.find(named), std::string::npos) << said;
+    }
+}
+
+// Expected: the place of the sun by ERFA over the middle of the raster, as <terrain_light time="…">
+// has it.
+TEST(EarthFiles, TheSunStandsWhereTheSkySays)
+{
+    const fs::path folder = OTL_SOURCE_DIR "/earth_files";
+    const Result<EarthMap> map = readEarthFile((folder / "sky.earth").string());
+    ASSERT_TRUE(map) << map.error().message;
+    const Result<TerrainModel> model = loadMap(*map, folder.string(), "sky.earth");
+    ASSERT_TRUE(model) << model.error().message;
+    UtcTime time;
+    ASSERT_TRUE(readUtcTime("2024-06-20T19:30Z", time).empty());
+    EarthPlace middle;
+    middle.longitude = -84.41375 + 0.5 * 403 / 1200.0;
+    middle.latitude = 36.732916667 - 0.5 * 344 / 1200.0;
+    const SunPosition sun = sunPosition(time, middle);
+    EXPECT_NEAR(model->node->getSkyLight().sunAzimuth, sun.azimuth, 1.0e-3);
+    EXPECT_NEAR(model->node->getSkyLight().sunElevation, sun.elevation, 1.0e-3);
 }
 
 TEST(EarthFiles, LightInAnyCase)

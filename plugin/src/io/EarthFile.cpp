@@ -10,6 +10,7 @@
 #include <iterator>
 #include <optional>
 #include <set>
+#include <utility>
 
 namespace osgTerrainLight
 {
@@ -52,6 +53,12 @@ bool isNo(const std::string& value)
     return word == "false" || word == "no" || word == "off";
 }
 
+/// Keys of <terrain_light> that place the sun.
+bool setsSun(const std::string& key)
+{
+    return key == "sun_azimuth" || key == "sun_elevation" || key == "time";
+}
+
 std::vector<std::string> keysOf(const pugi::xml_node& element)
 {
     std::vector<std::string> keys;
@@ -91,6 +98,7 @@ public:
             if (!read)
                 return read.error();
         }
+        followSky();
         if (_map.elevations.empty() && _map.images.empty())
             return _xml.error(_xml.lineOf(root),
                               "holds no layer that can be drawn" +
@@ -122,13 +130,93 @@ private:
     {
         const std::string tag = lowerCase(element.name());
         if (tag == "terrain_light")
-            return readTerrainLight(_xml, element, _map.light);
-        if (tag == "viewpoints")
         {
-            readViewpoints(element);
+            for (const std::string& key : keysOf(element))
+                _hasSun = _hasSun || setsSun(lowerCase(key));
+            return readTerrainLight(_xml, element, _map.light);
+        }
+        if (readPart(element))
+            return Nothing{};
+        if (tag == "options" || tag == "extensions" || tag == "external")
+        {
+            readParts(element);
             return Nothing{};
         }
         return readLayer(element, nullptr, 0);
+    }
+
+    /// Parts that osgEarth 3 has in the map itself, and osgEarth 2 in others. False where it is
+    /// none.
+    bool readPart(const pugi::xml_node& element)
+    {
+        const std::string tag = lowerCase(element.name());
+        if (tag == "viewpoints")
+            readViewpoints(element);
+        else if (tag == "sky")
+            readSky(element);
+        return tag == "viewpoints" || tag == "sky";
+    }
+
+    void readParts(const pugi::xml_node& element)
+    {
+        bool hasParts = false;
+        bool hasOthers = false;
+        for (const pugi::xml_node& child : element.children())
+            if (child.type() == pugi::node_element)
+                (readPart(child) ? hasParts : hasOthers) = true;
+        if (hasOthers || !hasParts)
+            leaveOut(element, whatOf(element),
+                     hasParts ? "only its sky and its viewpoints are read"
+                              : "of a kind that is not known here",
+                     !drawsNothing(lowerCase(element.name())));
+    }
+
+    void readSky(const pugi::xml_node& element)
+    {
+        const std::string what = whatOf(element);
+        if (isSwitchedOff(element, what))
+            return;
+        const Result<std::optional<UtcTime>> time = readSkyTime(element);
+        if (!time)
+            warnOf(element, time.error());
+        else if (!*time)
+            leaveOut(element, what, "has neither hours nor date_time", false);
+        else
+        {
+            _sky = {element, **time};
+            nameUnread(element, what, {skyKeys.begin(), skyKeys.end()});
+        }
+    }
+
+    /// The sun by the time of <sky>, where <terrain_light> has none.
+    void followSky()
+    {
+        if (!_sky)
+            return;
+        const auto& [element, time] = *_sky;
+        if (_hasSun || !_map.light.skyFile.empty())
+            append(_skipped, whatOf(element) + " (" + lineText(element) +
+                                 ": the sun is that of <terrain_light>)");
+        else
+            _map.light.time = time;
+    }
+
+    void warnOf(const pugi::xml_node& element, const Error& reason)
+    {
+        _map.warnings.push_back(
+            _xml.error(_xml.lineOf(element), "left out " + whatOf(element) + ": " + reason.message)
+                .message);
+    }
+
+    bool isSwitchedOff(const pugi::xml_node& element, const std::string& what)
+    {
+        for (const char* key : {"open", "enabled", "visible"})
+            if (isNo(valueOf(element, key)))
+            {
+                leaveOut(element, what, std::string(key) + " is " + valueOf(element, key), false);
+                return true;
+            }
+        return false;
     }
 
     void readViewpoints(const pugi::xml_node& element)
@@ -144,10 +232,7 @@ private:
                 nameUnread(child, what, {viewpointKeys.begin(), viewpointKeys.end()});
             }
             else
-                _map.warnings.push_back(
-                    _xml.error(_xml.lineOf(child),
-                               "left out " + what + ": " + viewpoint.error().message)
-                        .message);
+                warnOf(child, viewpoint.error());
         }
         nameUnread(element, whatOf(element), {"viewpoint"});
     }
@@ -167,12 +252,8 @@ private:
     {
         const std::string tag = lowerCase(element.name());
         const std::string what = whatOf(element);
-        for (const char* key : {"open", "enabled", "visible"})
-            if (isNo(valueOf(element, key)))
-            {
-                leaveOut(element, what, std::string(key) + " is " + valueOf(element, key), false);
-                return Nothing{};
-            }
+        if (isSwitchedOff(element, what))
+            return Nothing{};
         const std::optional<LayerKind> kind = kindOf(tag, lowerCase(valueOf(element, "driver")));
         if (!kind || (kind->driver != "gdal" && kind->driver != "composite"))
         {
@@ -269,6 +350,8 @@ private:
     const std::string& _text;
     EarthXml _xml;
     EarthMap _map;
+    bool _hasSun = false; ///< of <terrain_light>
+    std::optional<std::pair<pugi::xml_node, UtcTime>> _sky;
     std::string _missed, _skipped; ///< what EarthMap::leftOut holds, in two parts
 };
 } // namespace
