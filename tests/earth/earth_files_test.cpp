@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -143,13 +144,16 @@ TEST(EarthFiles, NamesInAnyCaseAndFlagsAsOsgEarthReadsThem)
 TEST(EarthFiles, KeysThatAreNotReadAreNamed)
 {
     const std::pair<const char*, const char*> layers[] = {
-        {"<GDALElevation name='d' url='a.tif' VDatum='egm96' unit='ft'/>",
-         "keys of <GDALElevation name=\"d\"> (line 2: not read here: VDatum)"},
+        {"<GDALElevation name='d' url='a.tif' Max_Level='9' unit='ft'/>",
+         "keys of <GDALElevation name=\"d\"> (line 2: not read here: Max_Level)"},
         {"<elevation driver='gdal'><url>a.tif</url><nodata_value>-1</nodata_value><offset>true"
          "</offset></elevation>",
          "keys of <elevation driver=\"gdal\"> (line 2: not read here: nodata_value, offset)"},
-        {"<GDALImage url='a.tif' opacity='0.5' cell_size='3'><transparent_color/></GDALImage>",
-         "keys of <GDALImage> (line 2: not read here: opacity, cell_size, transparent_color)"}};
+        {"<GDALElevation url='a.tif' opacity='7'/>",
+         "keys of <GDALElevation> (line 2: not read here: opacity)"},
+        {"<GDALImage url='a.tif' opacity='0.5' cell_size='3' min_level='1'><profile>x</profile>"
+         "</GDALImage>",
+         "keys of <GDALImage> (line 2: not read here: cell_size, min_level, profile)"}};
     for (const auto& [layer, named] : layers)
     {
         const Result<EarthMap> map =
@@ -385,6 +389,59 @@ TEST(EarthFiles, TheSunStandsWhereTheSkySays)
     const SunPosition sun = sunPosition(time, middle);
     EXPECT_NEAR(model->node->getSkyLight().sunAzimuth, sun.azimuth, 1.0e-3);
     EXPECT_NEAR(model->node->getSkyLight().sunElevation, sun.elevation, 1.0e-3);
+}
+
+// Expected: that of an image in a composite is the product of both.
+TEST(EarthFiles, OpacityOfImages)
+{
+    const Result<EarthMap> map = parseEarth(
+        "<map><GDALImage url='a'/><GDALImage url='b'><opacity> 0.25 </opacity></GDALImage>"
+        "<CompositeImage opacity='0.5'><layers><GDALImage url='c' opacity='0.5'/><GDALImage "
+        "url='d'/></layers></CompositeImage></map>",
+        "m.earth");
+    ASSERT_TRUE(map) << map.error().message;
+    EXPECT_TRUE(map->notes.empty());
+    ASSERT_EQ(map->images.size(), 4u);
+    for (std::size_t i = 0; i < 4; ++i)
+        EXPECT_EQ(map->images[i].opacity, (std::array{1.0, 0.25, 0.25, 0.5}[i]));
+    for (const char* wrong : {"-0.1", "1.01", "half", "nan", "0.5x"})
+    {
+        const Result<EarthMap> refused = parseEarth(
+            std::string("<map>\n<GDALImage url='a' opacity='") + wrong + "'/></map>", "m.earth");
+        ASSERT_FALSE(refused) << wrong;
+        EXPECT_EQ(refused.error().message, std::string("m.earth:2: <GDALImage> opacity = \"") +
+                                               wrong + "\": needs a number, 0 ... 1");
+    }
+}
+
+// Expected: nothing to say where heights have no datum, a notice where they have one, and a warning
+// for each layer that has another than the first.
+TEST(EarthFiles, VerticalDatumsAreCompared)
+{
+    const struct
+    {
+        const char* layers;
+        std::size_t warnings, notes;
+    } maps[] = {
+        {"<GDALElevation url='a'/><GDALElevation url='b'/>", 0, 0},
+        {"<GDALElevation url='a' vdatum='EGM96'/><GDALElevation url='b' vdatum='egm96'/>", 0, 1},
+        {"<GDALElevation url='a' vdatum='egm96'/><GDALElevation url='b'/><GDALElevation url='c' "
+         "vdatum='egm84'/>",
+         2, 0}};
+    for (const auto& [layers, warnings, notes] : maps)
+    {
+        const Result<EarthMap> map =
+            parseEarth(std::string("<map>") + layers + "</map>", "m.earth");
+        ASSERT_TRUE(map) << map.error().message;
+        EXPECT_EQ(map->warnings.size(), warnings) << layers;
+        EXPECT_EQ(map->notes.size(), notes) << layers;
+    }
+    const Result<EarthMap> profile =
+        parseEarth("<map><GDALElevation url='a'><profile srs='wgs84' vdatum='egm2008'/>"
+                   "</GDALElevation></map>",
+                   "m.earth");
+    ASSERT_TRUE(profile);
+    EXPECT_EQ(profile->elevations[0].verticalDatum, "egm2008");
 }
 
 TEST(EarthFiles, LightInAnyCase)

@@ -4,10 +4,11 @@
 #include "scene/TerrainModel.h"
 #include "scene/TerrainTileReader.h"
 
-#include <gdal_priv.h>
 #include <gtest/gtest.h>
 #include <ogr_spatialref.h>
+#include <osg/Image>
 #include <osg/NodeVisitor>
+#include <osgTerrain/TerrainTile>
 
 #include <cmath>
 #include <string>
@@ -48,6 +49,28 @@ const DemTile& tileOf(const TerrainModel& model)
         model.node->accept(finder);
     EXPECT_TRUE(finder.tile);
     return finder.tile ? *finder.tile : none;
+}
+
+/// The colours that the terrain is drawn with.
+const osg::Image& coloursOf(const TerrainModel& model)
+{
+    struct Finder : osg::NodeVisitor
+    {
+        Finder() : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN) {}
+        void apply(osg::Group& group) override
+        {
+            if (auto* tile = dynamic_cast<osgTerrain::TerrainTile*>(&group))
+                image = tile->getColorLayer(0)->getImage();
+            traverse(group);
+        }
+        const osg::Image* image = nullptr;
+    };
+    static const osg::ref_ptr<osg::Image> none = new osg::Image;
+    Finder finder;
+    if (model.node)
+        model.node->accept(finder);
+    EXPECT_TRUE(finder.image);
+    return finder.image ? *finder.image : *none;
 }
 } // namespace
 
@@ -111,4 +134,17 @@ TEST(MapLayers, CompositesAreTheirLayers)
     const TerrainModel alone = modelOf("inset.earth");
     EXPECT_TRUE(composites.warnings.empty());
     EXPECT_EQ(tileOf(composites).heights(), tileOf(alone).heights());
+}
+
+// Expected: each pixel of the same map without opacity, halved over white: alpha 127.5 is 128.
+TEST(MapLayers, OpacityIsOverWhatLiesBelow)
+{
+    const TerrainModel pale = modelOf("opacity.earth");
+    const TerrainModel full = modelOf("jacksboro.earth");
+    const osg::Image& found = coloursOf(pale);
+    const osg::Image& opaque = coloursOf(full);
+    ASSERT_EQ(found.getTotalSizeInBytes(), opaque.getTotalSizeInBytes());
+    ASSERT_GT(found.getTotalSizeInBytes(), 3u * 400 * 340);
+    for (unsigned i = 0; i < found.getTotalSizeInBytes(); ++i)
+        ASSERT_EQ(found.data()[i], (opaque.data()[i] * 128 + 255 * 127 + 127) / 255);
 }

@@ -1,5 +1,6 @@
 #include "io/EarthFile.h"
 
+#include "io/EarthLayers.h"
 #include "io/EarthLight.h"
 #include "io/EarthXml.h"
 #include "io/InputFiles.h"
@@ -17,26 +18,6 @@ namespace osgTerrainLight
 
 namespace
 {
-/// What a layer holds, and who reads it (lower case): <GDALImage> and <image driver="gdal"> alike.
-struct LayerKind
-{
-    bool isElevation = false;
-    std::string driver;
-};
-
-/// Nothing where the element (lower case) is no layer of heights or colours.
-std::optional<LayerKind> kindOf(const std::string& tag, const std::string& driver)
-{
-    if (tag == "heightfield")
-        return LayerKind{true, driver};
-    for (const std::string held : {"elevation", "image"})
-        if (tag.size() >= held.size() &&
-            tag.compare(tag.size() - held.size(), held.size(), held) == 0)
-            return LayerKind{held == "elevation",
-                             tag == held ? driver : tag.substr(0, tag.size() - held.size())};
-    return std::nullopt;
-}
-
 /// Elements of a map that are no layer and draw nothing. Whatever else osgEarth finds in a map
 /// is a layer, of dozens of kinds, or an extension that may draw.
 bool drawsNothing(const std::string& tag)
@@ -44,13 +25,6 @@ bool drawsNothing(const std::string& tag)
     static const std::set<std::string> names = {"options",    "libraries", "profile", "viewpoints",
                                                 "extensions", "name",      "type",    "version"};
     return names.count(tag) != 0;
-}
-
-/// As osgEarth reads a flag: these words, in any case, are no; the rest leaves the layer in.
-bool isNo(const std::string& value)
-{
-    const std::string word = lowerCase(value);
-    return word == "false" || word == "no" || word == "off";
 }
 
 /// Keys of <terrain_light> that place the sun.
@@ -99,6 +73,7 @@ public:
                 return read.error();
         }
         followSky();
+        compareVerticalDatums();
         if (_map.elevations.empty() && _map.images.empty())
             return _xml.error(_xml.lineOf(root),
                               "holds no layer that can be drawn" +
@@ -142,7 +117,7 @@ private:
             readParts(element);
             return Nothing{};
         }
-        return readLayer(element, nullptr, 0);
+        return readLayer(element, nullptr);
     }
 
     /// Parts that osgEarth 3 has in the map itself, and osgEarth 2 in others. False where it is
@@ -210,13 +185,10 @@ private:
 
     bool isSwitchedOff(const pugi::xml_node& element, const std::string& what)
     {
-        for (const char* key : {"open", "enabled", "visible"})
-            if (isNo(valueOf(element, key)))
-            {
-                leaveOut(element, what, std::string(key) + " is " + valueOf(element, key), false);
-                return true;
-            }
-        return false;
+        const std::string off = switchOf(element);
+        if (!off.empty())
+            leaveOut(element, what, off, false);
+        return !off.empty();
     }
 
     void readViewpoints(const pugi::xml_node& element)
@@ -247,91 +219,126 @@ private:
         return what + ">";
     }
 
-    /// composite: what it is a part of, or null; depth: in composites.
-    Status readLayer(const pugi::xml_node& element, const LayerKind* composite, int depth)
+    /// What a layer may be a part of.
+    struct Composite
     {
-        const std::string tag = lowerCase(element.name());
+        LayerKind kind;
+        double opacity;
+        int depth; ///< in other composites
+    };
+
+    /// composite: null where it is a part of none.
+    Status readLayer(const pugi::xml_node& element, const Composite* composite)
+    {
         const std::string what = whatOf(element);
         if (isSwitchedOff(element, what))
             return Nothing{};
-        const std::optional<LayerKind> kind = kindOf(tag, lowerCase(valueOf(element, "driver")));
+        const std::optional<LayerKind> kind = layerKindOf(element);
         if (!kind || (kind->driver != "gdal" && kind->driver != "composite"))
         {
             leaveOut(element, what, "of a kind that is not known here",
-                     composite || !drawsNothing(tag));
+                     composite || !drawsNothing(lowerCase(element.name())));
             return Nothing{};
         }
-        if (composite && composite->isElevation != kind->isElevation)
+        if (composite && composite->kind.isElevation != kind->isElevation)
         {
             leaveOut(element, what,
-                     composite->isElevation ? "a part of a composite of elevations"
-                                            : "a part of a composite of images",
+                     composite->kind.isElevation ? "a part of a composite of elevations"
+                                                 : "a part of a composite of images",
                      true);
             return Nothing{};
         }
-        if (kind->driver == "composite")
-            return readComposite(element, what, *kind, depth);
-        return readRaster(element, what, kind->isElevation);
+        const Result<double> opacity = kind->isElevation ? 1.0 : opacityOf(element);
+        if (!opacity)
+            return _xml.error(_xml.lineOf(element),
+                              "<" + std::string(element.name()) + "> " + opacity.error().message);
+        const Composite here{*kind, *opacity * (composite ? composite->opacity : 1.0),
+                             composite ? composite->depth + 1 : 0};
+        return kind->driver == "composite" ? readComposite(element, what, here)
+                                           : readRaster(element, what, here);
     }
 
-    /// The layers of osgEarth 3 stand in <layers>, those of osgEarth 2 in the element itself.
     Status readComposite(const pugi::xml_node& element, const std::string& what,
-                         const LayerKind& kind, int depth)
+                         const Composite& composite)
     {
         constexpr int deepest = 16; // far more than people write, and no danger to the stack
-        std::vector<pugi::xml_node> parts;
-        std::vector<std::string> read = {"layers"};
-        for (const pugi::xml_node& child : element.children())
-        {
-            const std::string tag = lowerCase(child.name());
-            if (tag == "layers")
-                for (const pugi::xml_node& layer : child.children())
-                    parts.push_back(layer);
-            else if (kindOf(tag, ""))
-            {
-                parts.push_back(child);
-                read.push_back(tag);
-            }
-        }
-        parts.erase(std::remove_if(parts.begin(), parts.end(),
-                                   [](const pugi::xml_node& part)
-                                   { return part.type() != pugi::node_element; }),
-                    parts.end());
-        if (parts.empty() || depth == deepest)
+        const std::vector<pugi::xml_node> parts = partsOf(element);
+        if (parts.empty() || composite.depth == deepest)
         {
             leaveOut(element, what,
                      parts.empty() ? "has no layers" : "lies too deep in other composites", true);
             return Nothing{};
         }
+        std::vector<std::string> read = {"layers"};
         for (const pugi::xml_node& part : parts)
-            if (Status status = readLayer(part, &kind, depth + 1); !status)
+        {
+            if (Status status = readLayer(part, &composite); !status)
                 return status;
+            read.push_back(lowerCase(part.name()));
+        }
+        if (!composite.kind.isElevation)
+            read.push_back("opacity");
         nameUnread(element, what, read);
         return Nothing{};
     }
 
-    Status readRaster(const pugi::xml_node& element, const std::string& what, bool isElevation)
+    Status readRaster(const pugi::xml_node& element, const std::string& what, const Composite& kind)
     {
-        EarthLayer layer{what, valueOf(element, "url"), _xml.lineOf(element), {}};
+        EarthLayer layer;
+        layer.what = what;
+        layer.url = valueOf(element, "url");
+        layer.line = _xml.lineOf(element);
+        layer.opacity = kind.opacity;
         std::vector<std::string> read = {"url"};
-        if (isElevation)
+        if (kind.kind.isElevation)
+        {
+            layer.verticalDatum = verticalDatumOf(element);
+            read.push_back("vdatum");
             read.insert(read.end(), std::begin(readOptionNames), std::end(readOptionNames));
-        for (const char* key : readOptionNames)
-            if (const std::string value = valueOf(element, key); isElevation && !value.empty())
-                if (const Status set = setReadOption(layer.read, key, value); !set)
-                    return _xml.error(layer.line, "<" + std::string(element.name()) + "> " +
-                                                      set.error().message);
+            for (const char* key : readOptionNames)
+                if (const std::string value = valueOf(element, key); !value.empty())
+                    if (const Status set = setReadOption(layer.read, key, value); !set)
+                        return _xml.error(layer.line, "<" + std::string(element.name()) + "> " +
+                                                          set.error().message);
+        }
+        else
+            read.push_back("opacity");
         if (layer.url.empty())
         {
             leaveOut(element, what, "has no url", true);
             return Nothing{};
         }
-        (isElevation ? _map.elevations : _map.images).push_back(layer);
+        (kind.kind.isElevation ? _map.elevations : _map.images).push_back(layer);
         nameUnread(element, what, read);
         return Nothing{};
     }
 
-    /// Keys of a layer that other readers of the format know, such as vdatum and opacity. read:
+    /// Heights above another datum lie wrong beside the others, since none are converted. Where all
+    /// have the same one, light does not depend on it.
+    void compareVerticalDatums()
+    {
+        const auto datumOf = [](const EarthLayer& layer)
+        {
+            return layer.verticalDatum.empty() ? "a vertical datum that is not named"
+                                               : "the vertical datum " + layer.verticalDatum;
+        };
+        const std::size_t before = _map.warnings.size();
+        for (const EarthLayer& layer : _map.elevations)
+            if (const EarthLayer& first = _map.elevations.front();
+                layer.verticalDatum != first.verticalDatum)
+                _map.warnings.push_back(_xml.error(layer.line, "the heights of " + layer.what +
+                                                                   " are above " + datumOf(layer) +
+                                                                   ", those of " + first.what +
+                                                                   " above " + datumOf(first) +
+                                                                   "; they are not converted")
+                                            .message);
+        if (_map.warnings.size() == before && !_map.elevations.empty() &&
+            !_map.elevations.front().verticalDatum.empty())
+            _map.notes.push_back(_xml.source() + ": all heights are above " +
+                                 datumOf(_map.elevations.front()));
+    }
+
+    /// Keys of a layer that other readers of the format know, such as min_level and profile. read:
     /// those that are read here, but for those of all layers.
     void nameUnread(const pugi::xml_node& element, const std::string& what,
                     const std::vector<std::string>& read)

@@ -17,7 +17,9 @@ struct EarthLayer
     std::string what; ///< its element, as messages call it: <GDALImage name="base">
     std::string url;  ///< as written; relative to the file's folder
     int line = 0;
-    DemReadOptions read; ///< of an elevation: cell_size, unit, z_factor
+    DemReadOptions read;       ///< of an elevation: cell_size, unit, z_factor
+    std::string verticalDatum; ///< of an elevation, as osgEarth names it; empty: none is named
+    double opacity = 1.0;      ///< of an image, 0 … 1
 };
 
 /// What we read of an .earth file (docs/EARTH_FILE.md).

@@ -256,10 +256,15 @@ Result<TerrainModel> loadMap(const EarthMap& map, const std::string& folder,
             }
         }
         Result<ColourImage> colour = readColour(path, *tile);
-        if (colour)
-            colours.push_back(std::move(*colour));
-        else
+        if (!colour)
+        {
             leaveOut(layer, colour.error());
+            continue;
+        }
+        for (std::size_t alpha = 3; alpha < colour->pixels.size(); alpha += 4)
+            colour->pixels[alpha] =
+                static_cast<std::uint8_t>(std::lround(layer.opacity * colour->pixels[alpha]));
+        colours.push_back(std::move(*colour));
     }
     if (tile)
     {
