@@ -444,6 +444,27 @@ TEST(EarthFiles, VerticalDatumsAreCompared)
     EXPECT_EQ(profile->elevations[0].verticalDatum, "egm2008");
 }
 
+// Expected: slashes that every system knows; what is left out is named by the path that was tried.
+TEST(EarthFiles, PathsThatWereWrittenOnWindows)
+{
+    const Result<EarthMap> map = parseEarth(
+        "<map>\n<GDALElevation url='..\\data\\dem.tif'/><GDALElevation url='D:\\a b\\c.tif'/>"
+        "<terrain_light sky='skies\\noon.exr'/></map>",
+        "m.earth");
+    ASSERT_TRUE(map) << map.error().message;
+    EXPECT_EQ(map->elevations[0].url, "../data/dem.tif");
+    EXPECT_EQ(map->elevations[1].url, "D:/a b/c.tif");
+    EXPECT_EQ(map->light.skyFile, "skies/noon.exr");
+    const Result<TerrainModel> model = loadMap(*map, "/no/such/folder", "m.earth");
+    ASSERT_TRUE(model) << model.error().message;
+    ASSERT_EQ(model->warnings.size(), 4u); // of the sky, the layers, and the map
+    EXPECT_EQ(model->warnings[1].rfind("m.earth:2: left out <GDALElevation>: ", 0), 0u);
+    EXPECT_EQ(model->warnings[1].find("drive"), std::string::npos);
+    EXPECT_NE(model->warnings[1].find("/no/such/folder/../data/dem.tif"), std::string::npos);
+    EXPECT_NE(model->warnings[2].find(": D:/a b/c.tif: no such file"), std::string::npos);
+    EXPECT_NE(model->warnings[2].find("; the path names a drive of Windows"), std::string::npos);
+}
+
 TEST(EarthFiles, LightInAnyCase)
 {
     const Result<EarthMap> map = parseEarth(

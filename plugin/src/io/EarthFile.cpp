@@ -108,7 +108,9 @@ private:
         {
             for (const std::string& key : keysOf(element))
                 _hasSun = _hasSun || setsSun(lowerCase(key));
-            return readTerrainLight(_xml, element, _map.light);
+            const Status read = readTerrainLight(_xml, element, _map.light);
+            _map.light.skyFile = withSlashes(_map.light.skyFile);
+            return read;
         }
         if (readPart(element))
             return Nothing{};
@@ -286,7 +288,7 @@ private:
     {
         EarthLayer layer;
         layer.what = what;
-        layer.url = valueOf(element, "url");
+        layer.url = withSlashes(valueOf(element, "url"));
         layer.line = _xml.lineOf(element);
         layer.opacity = kind.opacity;
         std::vector<std::string> read = {"url"};

@@ -15,7 +15,7 @@ namespace osgTerrainLight
 struct EarthLayer
 {
     std::string what; ///< its element, as messages call it: <GDALImage name="base">
-    std::string url;  ///< as written; relative to the file's folder
+    std::string url;  ///< as written, with / for \; relative to the file's folder
     int line = 0;
     DemReadOptions read;       ///< of an elevation: cell_size, unit, z_factor
     std::string verticalDatum; ///< of an elevation, as osgEarth names it; empty: none is named

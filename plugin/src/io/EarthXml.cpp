@@ -58,6 +58,12 @@ std::string valueOf(const pugi::xml_node& element, const std::string& key)
     return {};
 }
 
+std::string withSlashes(std::string path)
+{
+    std::replace(path.begin(), path.end(), '\\', '/');
+    return path;
+}
+
 void append(std::string& list, const std::string& item)
 {
     list += (list.empty() ? "" : ", ") + item;

@@ -40,6 +40,9 @@ std::string trimmed(const std::string& text);
 /// first that is not empty.
 std::string valueOf(const pugi::xml_node& element, const std::string& key);
 
+/// A path that may have been written on Windows, with the slashes that all systems know.
+std::string withSlashes(std::string path);
+
 /// Appends to a list in a sentence.
 void append(std::string& list, const std::string& item);
 

@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cctype>
 #include <cmath>
 #include <mutex>
 
@@ -104,6 +105,13 @@ osg::ref_ptr<osg::Image> composed(const std::vector<ColourImage>& layers)
 std::string baseName(const std::string& path)
 {
     return osgDB::getSimpleFileName(path);
+}
+
+/// C:/data/dem.tif
+bool namesDrive(const std::string& url)
+{
+    return url.size() > 2 && std::isalpha(static_cast<unsigned char>(url[0])) && url[1] == ':' &&
+           url[2] == '/';
 }
 
 std::string resolved(const std::string& url, const std::string& folder)
@@ -222,10 +230,13 @@ Result<TerrainModel> loadMap(const EarthMap& map, const std::string& folder,
     const auto leaveOut = [&](const EarthLayer& layer, const Error& reason)
     {
         const std::string line = std::to_string(layer.line);
-        model.warnings.push_back(source + ":" + line + ": left out " + layer.what + ": " +
-                                 reason.message);
-        leftOut += (leftOut.empty() ? "" : ", ") + layer.what + " (line " + line + ": " +
-                   reason.message + ")";
+        const std::string why =
+            reason.message + (reason.code == ErrorCode::NotFound && namesDrive(layer.url)
+                                  ? "; the path names a drive of Windows, and a path relative to "
+                                    "the map is found on every computer"
+                                  : "");
+        model.warnings.push_back(source + ":" + line + ": left out " + layer.what + ": " + why);
+        leftOut += (leftOut.empty() ? "" : ", ") + layer.what + " (line " + line + ": " + why + ")";
         isMissing = isMissing && reason.code == ErrorCode::NotFound;
     };
 
