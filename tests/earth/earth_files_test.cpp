@@ -97,8 +97,8 @@ TEST(EarthFiles, SettingsAndLayersInEitherManner)
     EXPECT_FALSE(map->light.sky.sunEnabled);
     ASSERT_EQ(map->warnings.size(), 1u);
     EXPECT_EQ(map->warnings[0],
-              "m.earth: left out: <image driver=\"tms\" name=\"web\"> (line 5: of "
-              "a kind that is not known here)");
+              "m.earth: left out: <image driver=\"tms\" name=\"web\"> (line 5: its tiles are on a "
+              "network; needs a folder)");
     ASSERT_EQ(map->notes.size(), 1u);
     EXPECT_EQ(map->notes[0],
               "m.earth: skipped: <image driver=\"gdal\" name=\"off\"> (line 4: enabled is false), "
@@ -192,7 +192,8 @@ TEST(EarthFiles, WhereNothingIsLeftTheErrorNamesAllThatWas)
     } maps[] = {
         {"<XYZImage name='osm'><url>http://t</url></XYZImage>\n<Rocky/>\n"
          "<GDALElevation name='hidden' visible='off' url='a.tif'/>",
-         {"<XYZImage name=\"osm\"> (line 2: of a kind", "<Rocky> (line 3: of a kind",
+         {"<XYZImage name=\"osm\"> (line 2: its tiles are on a network",
+          "<Rocky> (line 3: of a kind",
           "<GDALElevation name=\"hidden\"> (line 4: visible is off)"}},
         {"<GDALElevation><connection>pg</connection></GDALElevation>\n<image driver='agglite'/>",
          {"<GDALElevation> (line 2: has no url)", "<image driver=\"agglite\"> (line 3"}},
@@ -200,7 +201,7 @@ TEST(EarthFiles, WhereNothingIsLeftTheErrorNamesAllThatWas)
          {"<CompositeElevation name=\"c\"> (line 2: has no layers)"}},
         {"<CompositeElevation><layers>\n<TMSElevation/>\n<GDALElevation/></layers>"
          "</CompositeElevation>",
-         {"<TMSElevation> (line 3: of a kind", "<GDALElevation> (line 4: has no url)"}},
+         {"<TMSElevation> (line 3: has no url)", "<GDALElevation> (line 4: has no url)"}},
         {"", {"needs <elevation driver=\"gdal\"> or <image driver=\"gdal\"> with a url"}}};
     for (const auto& [layers, named] : maps)
     {

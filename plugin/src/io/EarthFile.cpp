@@ -27,6 +27,13 @@ bool drawsNothing(const std::string& tag)
     return names.count(tag) != 0;
 }
 
+/// Of layers that are read.
+bool isDriver(const std::string& name)
+{
+    static const std::set<std::string> names = {"gdal", "mbtiles", "tms", "xyz", "composite"};
+    return names.count(name) != 0;
+}
+
 /// Keys of <terrain_light> that place the sun.
 bool setsSun(const std::string& key)
 {
@@ -236,7 +243,7 @@ private:
         if (isSwitchedOff(element, what))
             return Nothing{};
         const std::optional<LayerKind> kind = layerKindOf(element);
-        if (!kind || (kind->driver != "gdal" && kind->driver != "composite"))
+        if (!kind || !isDriver(kind->driver))
         {
             leaveOut(element, what, "of a kind that is not known here",
                      composite || !drawsNothing(lowerCase(element.name())));
@@ -288,10 +295,13 @@ private:
     {
         EarthLayer layer;
         layer.what = what;
-        layer.url = withSlashes(valueOf(element, "url"));
+        for (const char* key : {"url", "filename"}) // the second of osgEarth's MBTiles
+            if (layer.url.empty())
+                layer.url = withSlashes(valueOf(element, key));
         layer.line = _xml.lineOf(element);
         layer.opacity = kind.opacity;
-        std::vector<std::string> read = {"url"};
+        layer.driver = kind.kind.driver;
+        std::vector<std::string> read = {"url", "filename"};
         if (kind.kind.isElevation)
         {
             layer.verticalDatum = verticalDatumOf(element);
@@ -305,9 +315,18 @@ private:
         }
         else
             read.push_back("opacity");
-        if (layer.url.empty())
+        const bool isPyramid = layer.driver == "tms" || layer.driver == "xyz";
+        if (layer.driver == "xyz")
         {
-            leaveOut(element, what, "has no url", true);
+            layer.profile = lowerCase(valueOf(element, "profile"));
+            layer.fromSouth = isYes(valueOf(element, "invert_y"));
+            read.insert(read.end(), {"profile", "invert_y"});
+        }
+        const bool isRemote = isPyramid && layer.url.find("://") != std::string::npos;
+        if (layer.url.empty() || isRemote)
+        {
+            leaveOut(element, what,
+                     isRemote ? "its tiles are on a network; needs a folder" : "has no url", true);
             return Nothing{};
         }
         (kind.kind.isElevation ? _map.elevations : _map.images).push_back(layer);

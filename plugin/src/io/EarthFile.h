@@ -20,6 +20,9 @@ struct EarthLayer
     DemReadOptions read;       ///< of an elevation: cell_size, unit, z_factor
     std::string verticalDatum; ///< of an elevation, as osgEarth names it; empty: none is named
     double opacity = 1.0;      ///< of an image, 0 … 1
+    std::string driver;        ///< gdal, mbtiles, tms or xyz
+    std::string profile;       ///< of tiles by xyz, in lower case; may be empty
+    bool fromSouth = false;    ///< rows of tiles by xyz count from the south
 };
 
 /// What we read of an .earth file (docs/EARTH_FILE.md).

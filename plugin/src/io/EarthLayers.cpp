@@ -68,6 +68,12 @@ Result<double> opacityOf(const pugi::xml_node& image)
     return opacity;
 }
 
+bool isYes(const std::string& value)
+{
+    const std::string word = lowerCase(value);
+    return word == "true" || word == "yes" || word == "on";
+}
+
 std::string verticalDatumOf(const pugi::xml_node& elevation)
 {
     const std::string own = valueOf(elevation, "vdatum");

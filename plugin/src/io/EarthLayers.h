@@ -31,6 +31,9 @@ std::vector<pugi::xml_node> partsOf(const pugi::xml_node& composite);
 /// 0 … 1; 1 where none is given. The error names key, value and what is needed.
 Result<double> opacityOf(const pugi::xml_node& image);
 
+/// As osgEarth reads a flag: true, yes and on, in any case, are yes.
+bool isYes(const std::string& value);
+
 /// The vertical datum of a layer's heights, its own or that of its profile, in lower case; empty
 /// where none is given.
 std::string verticalDatumOf(const pugi::xml_node& elevation);

@@ -2,6 +2,7 @@
 
 #include "io/CompositeDem.h"
 #include "io/MapPlace.h"
+#include "io/TileRaster.h"
 #include "scene/TerrainTileReader.h"
 #include <osgTerrainLight/Environment.h>
 
@@ -118,6 +119,22 @@ std::string resolved(const std::string& url, const std::string& folder)
 {
     const bool whole = osgDB::isAbsolutePath(url) || url.compare(0, 4, "/vsi") == 0;
     return whole || folder.empty() ? url : osgDB::concatPaths(folder, url);
+}
+
+/// The path that GDAL reads the layer by. tiles: keeps what is made for that.
+Result<std::string> pathOf(const EarthLayer& layer, const std::string& folder,
+                           std::vector<TileRaster>& tiles)
+{
+    std::string path = resolved(layer.url, folder);
+    if (layer.driver != "tms" && layer.driver != "xyz")
+        return path;
+    const Result<TileRaster> raster =
+        layer.driver == "tms" ? TileRaster::ofTileMap(path)
+                              : TileRaster::ofPattern(path, layer.profile, layer.fromSouth);
+    if (!raster)
+        return raster.error();
+    tiles.push_back(*raster);
+    return raster->path();
 }
 } // namespace
 
@@ -240,21 +257,34 @@ Result<TerrainModel> loadMap(const EarthMap& map, const std::string& folder,
         isMissing = isMissing && reason.code == ErrorCode::NotFound;
     };
 
+    std::vector<TileRaster> tiles;
     std::vector<DemLayer> dems;
+    std::vector<const EarthLayer*> layersOfDems;
     for (const EarthLayer& layer : map.elevations)
-        dems.push_back({resolved(layer.url, folder), layer.read});
+        if (const Result<std::string> path = pathOf(layer, folder, tiles))
+        {
+            dems.push_back({*path, layer.read});
+            layersOfDems.push_back(&layer);
+        }
+        else
+            leaveOut(layer, path.error());
     CompositeDem composite = readComposite(dems, mostDrawnPosts);
     for (const auto& [number, reason] : composite.leftOut)
-        leaveOut(map.elevations[number], reason);
+        leaveOut(*layersOfDems[number], reason);
     model.notes.insert(model.notes.end(), composite.notes.begin(), composite.notes.end());
     std::optional<DemTile> tile = std::move(composite.tile);
     std::vector<ColourImage> colours;
     for (const EarthLayer& layer : map.images)
     {
-        const std::string path = resolved(layer.url, folder);
+        const Result<std::string> path = pathOf(layer, folder, tiles);
+        if (!path)
+        {
+            leaveOut(layer, path.error());
+            continue;
+        }
         if (!tile)
         {
-            const Result<DemTile> level = levelTileUnder(path);
+            const Result<DemTile> level = levelTileUnder(*path);
             if (level)
             {
                 tile = *level;
@@ -266,7 +296,7 @@ Result<TerrainModel> loadMap(const EarthMap& map, const std::string& folder,
                 continue;
             }
         }
-        Result<ColourImage> colour = readColour(path, *tile);
+        Result<ColourImage> colour = readColour(*path, *tile);
         if (!colour)
         {
             leaveOut(layer, colour.error());
