@@ -1,5 +1,7 @@
 // Folders of tiles as one raster: where each pixel lies, in closed form.
 #include "io/TileRaster.h"
+
+#include "io/DemReader.h"
 #include "support/TestFolder.h"
 
 #include <gdal_priv.h>
@@ -7,8 +9,10 @@
 
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 using namespace osgTerrainLight;
@@ -104,6 +108,42 @@ TEST(TileRasters, OfATileMap)
     std::array<double, 6> place{};
     EXPECT_EQ(tilesOf(TileRaster::ofTileMap(path), place), (std::vector<int>{2, -1, -1, 3}));
     expectPlace(place, 500000.0, 4000040.0, 5.0);
+}
+
+// Expected: heights of the two tiles, and voids where the other two are missing.
+TEST(TileRasters, OfHeights)
+{
+    GDALAllRegister();
+    for (const auto& [name, height] :
+         {std::pair("1/0/0.tif", -12.0), std::pair("1/1/1.tif", 700.0)})
+    {
+        const std::filesystem::path path = testFolder() / name;
+        std::filesystem::create_directories(path.parent_path());
+        const GDALDatasetUniquePtr file(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
+            path.string().c_str(), side, side, 1, GDT_Int16, nullptr));
+        file->GetRasterBand(1)->Fill(height);
+    }
+    const Result<TileRaster> raster =
+        TileRaster::ofPattern((testFolder() / "{z}/{x}/{y}.tif").string(), "", false);
+    ASSERT_TRUE(raster) << raster.error().message;
+    DemReadOptions options;
+    options.byMapScale = false;
+    const Result<DemFile> file = readDem(raster->path(), options);
+    ASSERT_TRUE(file) << file.error().message;
+    const DemTile& tile = file->tile;
+    ASSERT_EQ(tile.width(), 2 * side);
+    ASSERT_EQ(tile.height(), 2 * side);
+    for (int row = 0; row < 2 * side; ++row)
+        for (int column = 0; column < 2 * side; ++column)
+        {
+            const bool isWest = column < side, isSouth = row < side;
+            ASSERT_EQ(tile.isValid(column, row), isWest != isSouth);
+            if (tile.isValid(column, row))
+            {
+                ASSERT_EQ(tile.heightOrigin + double(tile.heightAt(column, row)),
+                          isWest ? -12.0 : 700.0);
+            }
+        }
 }
 
 TEST(TileRasters, ErrorsNameThePath)

@@ -22,8 +22,8 @@ namespace
 /// is a layer, of dozens of kinds, or an extension that may draw.
 bool drawsNothing(const std::string& tag)
 {
-    static const std::set<std::string> names = {"options",    "libraries", "profile", "viewpoints",
-                                                "extensions", "name",      "type",    "version"};
+    static const std::set<std::string> names = {"options", "libraries", "profile", "extensions",
+                                                "name",    "type",      "version"};
     return names.count(tag) != 0;
 }
 

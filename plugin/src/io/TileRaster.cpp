@@ -140,6 +140,8 @@ public:
         const double top =
             _grid.fromSouth ? _grid.edge + static_cast<double>((_firstY + _rows) * _height) * pixel
                             : _grid.edge - static_cast<double>(_firstY * _height) * pixel;
+        if (!std::isfinite(left) || !std::isfinite(top) || !std::isfinite(pixel))
+            return Error{ErrorCode::Invalid, path + ": its TileMap leads to no finite place"};
         std::string xml = "<VRTDataset rasterXSize=\"" + std::to_string(_columns * _width) +
                           "\" rasterYSize=\"" + std::to_string(_rows * _height) + "\"><SRS>" +
                           escaped(_grid.crs) + "</SRS><GeoTransform>" + number(left) + "," +
