@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -95,8 +97,8 @@ TEST(EarthFiles, SettingsAndLayersInEitherManner)
     EXPECT_FALSE(map->light.sky.sunEnabled);
     ASSERT_EQ(map->warnings.size(), 1u);
     EXPECT_EQ(map->warnings[0],
-              "m.earth: left out: <image driver=\"tms\" name=\"web\"> (line 5: of "
-              "a kind that is not known here)");
+              "m.earth: left out: <image driver=\"tms\" name=\"web\"> (line 5: its tiles are on a "
+              "network; needs a folder)");
     ASSERT_EQ(map->notes.size(), 1u);
     EXPECT_EQ(map->notes[0],
               "m.earth: skipped: <image driver=\"gdal\" name=\"off\"> (line 4: enabled is false), "
@@ -142,13 +144,16 @@ TEST(EarthFiles, NamesInAnyCaseAndFlagsAsOsgEarthReadsThem)
 TEST(EarthFiles, KeysThatAreNotReadAreNamed)
 {
     const std::pair<const char*, const char*> layers[] = {
-        {"<GDALElevation name='d' url='a.tif' VDatum='egm96' unit='ft'/>",
-         "keys of <GDALElevation name=\"d\"> (line 2: not read here: VDatum)"},
+        {"<GDALElevation name='d' url='a.tif' Max_Level='9' unit='ft'/>",
+         "keys of <GDALElevation name=\"d\"> (line 2: not read here: Max_Level)"},
         {"<elevation driver='gdal'><url>a.tif</url><nodata_value>-1</nodata_value><offset>true"
          "</offset></elevation>",
          "keys of <elevation driver=\"gdal\"> (line 2: not read here: nodata_value, offset)"},
-        {"<GDALImage url='a.tif' opacity='0.5' cell_size='3'><transparent_color/></GDALImage>",
-         "keys of <GDALImage> (line 2: not read here: opacity, cell_size, transparent_color)"}};
+        {"<GDALElevation url='a.tif' opacity='7'/>",
+         "keys of <GDALElevation> (line 2: not read here: opacity)"},
+        {"<GDALImage url='a.tif' opacity='0.5' cell_size='3' min_level='1'><profile>x</profile>"
+         "</GDALImage>",
+         "keys of <GDALImage> (line 2: not read here: cell_size, min_level, profile)"}};
     for (const auto& [layer, named] : layers)
     {
         const Result<EarthMap> map =
@@ -187,12 +192,16 @@ TEST(EarthFiles, WhereNothingIsLeftTheErrorNamesAllThatWas)
     } maps[] = {
         {"<XYZImage name='osm'><url>http://t</url></XYZImage>\n<Rocky/>\n"
          "<GDALElevation name='hidden' visible='off' url='a.tif'/>",
-         {"<XYZImage name=\"osm\"> (line 2: of a kind", "<Rocky> (line 3: of a kind",
+         {"<XYZImage name=\"osm\"> (line 2: its tiles are on a network",
+          "<Rocky> (line 3: of a kind",
           "<GDALElevation name=\"hidden\"> (line 4: visible is off)"}},
         {"<GDALElevation><connection>pg</connection></GDALElevation>\n<image driver='agglite'/>",
          {"<GDALElevation> (line 2: has no url)", "<image driver=\"agglite\"> (line 3"}},
-        {"<CompositeElevation><layers><GDALElevation url='a'/></layers></CompositeElevation>",
-         {"<CompositeElevation> (line 2"}},
+        {"<CompositeElevation name='c'><layers/></CompositeElevation>",
+         {"<CompositeElevation name=\"c\"> (line 2: has no layers)"}},
+        {"<CompositeElevation><layers>\n<TMSElevation/>\n<GDALElevation/></layers>"
+         "</CompositeElevation>",
+         {"<TMSElevation> (line 3: has no url)", "<GDALElevation> (line 4: has no url)"}},
         {"", {"needs <elevation driver=\"gdal\"> or <image driver=\"gdal\"> with a url"}}};
     for (const auto& [layers, named] : maps)
     {
@@ -205,26 +214,256 @@ TEST(EarthFiles, WhereNothingIsLeftTheErrorNamesAllThatWas)
     }
 }
 
-// Expected: the first elevation that can be read gives the heights; the others are named.
-TEST(EarthFiles, OneElevationIsDrawnAndTheOthersAreNamed)
+// Expected: of layers with the same place the last one is seen; one that cannot be read is named.
+TEST(EarthFiles, TheLastElevationThatCanBeReadIsSeen)
 {
     const Result<EarthMap> map =
-        parseEarth("<map>\n<GDALElevation name='gone' url='no.tif'/>\n"
-                   "<GDALElevation name='used' url='jacksboro_90m.tif' z_factor='2'/>\n"
-                   "<GDALElevation name='spare' url='jacksboro_90m.tif'/></map>",
+        parseEarth("<map>\n<GDALElevation name='under' url='jacksboro_90m.tif'/>\n"
+                   "<GDALElevation name='over' url='jacksboro_90m.tif' z_factor='2'/>\n"
+                   "<GDALElevation name='gone' url='no.tif'/></map>",
                    "m.earth");
     ASSERT_TRUE(map) << map.error().message;
     const Result<TerrainModel> model = loadMap(*map, OTL_SOURCE_DIR "/samples/data", "m.earth");
     ASSERT_TRUE(model) << model.error().message;
-    ASSERT_EQ(model->warnings.size(), 2u);
-    EXPECT_EQ(model->warnings[0].rfind("m.earth:2: left out <GDALElevation name=\"gone\">: ", 0),
+    ASSERT_EQ(model->warnings.size(), 1u);
+    EXPECT_EQ(model->warnings[0].rfind("m.earth:4: left out <GDALElevation name=\"gone\">: ", 0),
               0u);
-    EXPECT_EQ(model->warnings[1],
-              "m.earth:4: left out <GDALElevation name=\"spare\">: only the first elevation "
-              "that can be read is used");
     // The sample has heights of 236 m to 1076 m.
     const osg::BoundingSphere& bound = model->node->getBound();
     EXPECT_NEAR(bound.center().z(), 2.0 * 656.0, 2.0);
+}
+
+// Expected: the layers of a composite stand in its place, in their order.
+TEST(EarthFiles, LayersOfCompositesAreDrawnInTheirPlace)
+{
+    const Result<EarthMap> map = parseEarth(R"(<map>
+  <GDALElevation url="a"/>
+  <CompositeElevation cache="no"><layers>
+    <GDALElevation url="b" unit="ft"/>
+    <GDALElevation url="off" open="false"/>
+    <compositeelevation><layers><gdalelevation url="c"/></layers></compositeelevation>
+    <GDALImage name="wrong" url="x"/>
+    <Rocky/>
+  </layers></CompositeElevation>
+  <heightfield driver="Composite"><elevation driver="gdal" url="d"/><heightfield driver="gdal"
+    url="e"/></heightfield>
+  <CompositeElevation enabled="false"><layers><GDALElevation url="y"/></layers></CompositeElevation>
+  <GDALElevation url="f"/>
+  <image driver="composite"><name>two</name><image driver="gdal" url="g"/>
+    <image driver="gdal" url="h"/></image>
+</map>)",
+                                            "m.earth");
+    ASSERT_TRUE(map) << map.error().message;
+    std::string urls;
+    for (const EarthLayer& layer : map->elevations)
+        urls += layer.url;
+    EXPECT_EQ(urls, "abcdef");
+    EXPECT_EQ(map->elevations[1].read.heightUnit, "ft");
+    ASSERT_EQ(map->images.size(), 2u);
+    EXPECT_EQ(map->images[1].url, "h");
+    ASSERT_EQ(map->warnings.size(), 1u);
+    EXPECT_EQ(map->warnings[0],
+              "m.earth: left out: <GDALImage name=\"wrong\"> (line 7: a part of a composite of "
+              "elevations), <Rocky> (line 8: of a kind that is not known here)");
+    ASSERT_EQ(map->notes.size(), 1u);
+    EXPECT_EQ(map->notes[0],
+              "m.earth: skipped: <GDALElevation> (line 5: open is false), keys of "
+              "<CompositeElevation> (line 3: not read here: cache), <CompositeElevation> (line 12: "
+              "enabled is false)");
+}
+
+TEST(EarthFiles, CompositesInCompositesEnd)
+{
+    std::string text = "<GDALImage url='a'/>";
+    for (int i = 0; i < 3000; ++i)
+        text = "<CompositeImage>" + text + "</CompositeImage>";
+    const Result<EarthMap> map = parseEarth("<map>" + text + "</map>", "m.earth");
+    ASSERT_FALSE(map);
+    EXPECT_NE(map.error().message.find("too deep"), std::string::npos);
+}
+
+// Expected: as the map of this name has them; x and y of the second are those of the cone's axis.
+TEST(EarthFiles, Viewpoints)
+{
+    const Result<EarthMap> map = readEarthFile(OTL_SOURCE_DIR "/earth_files/viewpoints.earth");
+    ASSERT_TRUE(map) << map.error().message;
+    ASSERT_EQ(map->viewpoints.size(), 2u);
+    EXPECT_EQ(map->viewpoints[0].name, "along the fault");
+    EXPECT_EQ(map->viewpoints[0].range, 12000.0);
+    EXPECT_EQ(map->viewpoints[0].longitude, -84.2);
+    EXPECT_NEAR(map->viewpoints[1].longitude, -84.249866892, 1.0e-8);
+    EXPECT_NEAR(map->viewpoints[1].latitude, 36.599800403, 1.0e-8);
+    EXPECT_EQ(map->viewpoints[1].range, 30000.0);
+}
+
+// Expected: the time of osgEarth's sky, wherever it stands, is that of <terrain_light> alone; half
+// past seven in the evening is 19.5 hours.
+TEST(EarthFiles, TheTimeOfTheSkyIsThatOfTheSun)
+{
+    UtcTime wanted;
+    ASSERT_TRUE(readUtcTime("2024-06-20T19:30Z", wanted).empty());
+    for (const char* sky : {"<sky driver='simple' hours='19.5' date_time='2024-06-20T03:00:00Z'/>",
+                            "<Sky><Date_Time>2024-06-20T21:30+02:00</Date_Time></Sky>",
+                            "<options><sky hours='19.5' date_time='2024-06-20'/></options>",
+                            "<extensions><sky><hours>19.5</hours><date_time>2024-06-20</"
+                            "date_time></sky></extensions>",
+                            "<external><sky hours='19.5' date_time='2024-06-20'/></external>",
+                            "<sky date_time='2024-06-20T19:30'/><terrain_light exposure='1'/>"})
+    {
+        const Result<EarthMap> map =
+            parseEarth(std::string("<map><GDALImage url='b.tif'/>") + sky + "</map>", "m.earth");
+        ASSERT_TRUE(map) << map.error().message;
+        EXPECT_TRUE(map->warnings.empty() && map->notes.empty()) << sky;
+        ASSERT_TRUE(map->light.time) << sky;
+        EXPECT_EQ(toString(*map->light.time), toString(wanted)) << sky;
+    }
+}
+
+// Expected: hours alone are of today, and the rest of the day's time is theirs.
+TEST(EarthFiles, HoursOfTheSkyAreOfToday)
+{
+    const auto today = []
+    { return std::chrono::system_clock::now().time_since_epoch() / std::chrono::hours(24); };
+    const auto before = today();
+    const Result<EarthMap> map =
+        parseEarth("<map><GDALImage url='b.tif'/><sky hours='6.25'/></map>", "m.earth");
+    ASSERT_TRUE(map && map->light.time);
+    const auto since = map->light.time->time_since_epoch();
+    EXPECT_TRUE(since / std::chrono::hours(24) == before ||
+                since / std::chrono::hours(24) == today());
+    EXPECT_EQ(since % std::chrono::hours(24), std::chrono::minutes(375));
+}
+
+// Expected: a sun that <terrain_light> has, in whatever way and place, is not replaced, and that is
+// said. A time that cannot be read is a warning; a sky without time is named.
+TEST(EarthFiles, TheSkyOfOsgEarthComesAfterTheLight)
+{
+    for (const char* light : {"time='2020-01-01T00:00'", "sun_azimuth='10'", "Sun_Elevation='10'",
+                              "sky='panorama.exr'"})
+        for (const bool isFirst : {false, true})
+        {
+            const std::string sky = "<sky hours='1'/>";
+            const Result<EarthMap> map =
+                parseEarth("<map><GDALImage url='b.tif'/>" + (isFirst ? sky : "") +
+                               "<terrain_light " + light + "/>" + (isFirst ? "" : sky) + "</map>",
+                           "m.earth");
+            ASSERT_TRUE(map) << map.error().message;
+            EXPECT_TRUE(!map->light.time || toString(*map->light.time) == "2020-01-01T00:00:00Z");
+            ASSERT_EQ(map->notes.size(), 1u) << light;
+            EXPECT_EQ(map->notes[0],
+                      "m.earth: skipped: <sky> (line 1: the sun is that of <terrain_light>)");
+        }
+    const std::pair<const char*, const char*> wrongs[] = {
+        {"<sky hours='25'/>", "m.earth:2: left out <sky>: hours = \"25\": needs"},
+        {"<sky hours='noon'/>", "hours = \"noon\": needs a number of hours of UTC, 0 ... 24"},
+        {"<sky date_time='soon'/>", "date_time = \"soon\": needs a time"},
+        {"<sky driver='gl'/>", "<sky driver=\"gl\"> (line 2: has neither hours nor date_time)"},
+        {"<sky hours='1' visible='no'/>", "<sky> (line 2: visible is no)"},
+        {"<sky hours='1' pbr='true'/>", "keys of <sky> (line 2: not read here: pbr)"},
+        {"<options><sky hours='1'/><terrain/></options>",
+         "<options> (line 2: only its sky and its viewpoints are read)"}};
+    for (const auto& [sky, named] : wrongs)
+    {
+        const Result<EarthMap> map =
+            parseEarth(std::string("<map><GDALImage url='b.tif'/>\n") + sky + "</map>", "m.earth");
+        ASSERT_TRUE(map) << map.error().message;
+        ASSERT_EQ(map->warnings.size() + map->notes.size(), 1u) << sky;
+        const std::string& said = (map->warnings.empty() ? map->notes : map->warnings)[0];
+        EXPECT_NE(said.find(named), std::string::npos) << said;
+    }
+}
+
+// Expected: the place of the sun by ERFA over the middle of the raster, as <terrain_light time="…">
+// has it.
+TEST(EarthFiles, TheSunStandsWhereTheSkySays)
+{
+    const fs::path folder = OTL_SOURCE_DIR "/earth_files";
+    const Result<EarthMap> map = readEarthFile((folder / "sky.earth").string());
+    ASSERT_TRUE(map) << map.error().message;
+    const Result<TerrainModel> model = loadMap(*map, folder.string(), "sky.earth");
+    ASSERT_TRUE(model) << model.error().message;
+    UtcTime time;
+    ASSERT_TRUE(readUtcTime("2024-06-20T19:30Z", time).empty());
+    EarthPlace middle;
+    middle.longitude = -84.41375 + 0.5 * 403 / 1200.0;
+    middle.latitude = 36.732916667 - 0.5 * 344 / 1200.0;
+    const SunPosition sun = sunPosition(time, middle);
+    EXPECT_NEAR(model->node->getSkyLight().sunAzimuth, sun.azimuth, 1.0e-3);
+    EXPECT_NEAR(model->node->getSkyLight().sunElevation, sun.elevation, 1.0e-3);
+}
+
+// Expected: that of an image in a composite is the product of both.
+TEST(EarthFiles, OpacityOfImages)
+{
+    const Result<EarthMap> map = parseEarth(
+        "<map><GDALImage url='a'/><GDALImage url='b'><opacity> 0.25 </opacity></GDALImage>"
+        "<CompositeImage opacity='0.5'><layers><GDALImage url='c' opacity='0.5'/><GDALImage "
+        "url='d'/></layers></CompositeImage></map>",
+        "m.earth");
+    ASSERT_TRUE(map) << map.error().message;
+    EXPECT_TRUE(map->notes.empty());
+    ASSERT_EQ(map->images.size(), 4u);
+    for (std::size_t i = 0; i < 4; ++i)
+        EXPECT_EQ(map->images[i].opacity, (std::array{1.0, 0.25, 0.25, 0.5}[i]));
+    for (const char* wrong : {"-0.1", "1.01", "half", "nan", "0.5x"})
+    {
+        const Result<EarthMap> refused = parseEarth(
+            std::string("<map>\n<GDALImage url='a' opacity='") + wrong + "'/></map>", "m.earth");
+        ASSERT_FALSE(refused) << wrong;
+        EXPECT_EQ(refused.error().message, std::string("m.earth:2: <GDALImage> opacity = \"") +
+                                               wrong + "\": needs a number, 0 ... 1");
+    }
+}
+
+// Expected: nothing to say where heights have no datum, a notice where they have one, and a warning
+// for each layer that has another than the first.
+TEST(EarthFiles, VerticalDatumsAreCompared)
+{
+    const struct
+    {
+        const char* layers;
+        std::size_t warnings, notes;
+    } maps[] = {
+        {"<GDALElevation url='a'/><GDALElevation url='b'/>", 0, 0},
+        {"<GDALElevation url='a' vdatum='EGM96'/><GDALElevation url='b' vdatum='egm96'/>", 0, 1},
+        {"<GDALElevation url='a' vdatum='egm96'/><GDALElevation url='b'/><GDALElevation url='c' "
+         "vdatum='egm84'/>",
+         2, 0}};
+    for (const auto& [layers, warnings, notes] : maps)
+    {
+        const Result<EarthMap> map =
+            parseEarth(std::string("<map>") + layers + "</map>", "m.earth");
+        ASSERT_TRUE(map) << map.error().message;
+        EXPECT_EQ(map->warnings.size(), warnings) << layers;
+        EXPECT_EQ(map->notes.size(), notes) << layers;
+    }
+    const Result<EarthMap> profile =
+        parseEarth("<map><GDALElevation url='a'><profile srs='wgs84' vdatum='egm2008'/>"
+                   "</GDALElevation></map>",
+                   "m.earth");
+    ASSERT_TRUE(profile);
+    EXPECT_EQ(profile->elevations[0].verticalDatum, "egm2008");
+}
+
+// Expected: slashes that every system knows; what is left out is named by the path that was tried.
+TEST(EarthFiles, PathsThatWereWrittenOnWindows)
+{
+    const Result<EarthMap> map = parseEarth(
+        "<map>\n<GDALElevation url='..\\data\\dem.tif'/><GDALElevation url='D:\\a b\\c.tif'/>"
+        "<terrain_light sky='skies\\noon.exr'/></map>",
+        "m.earth");
+    ASSERT_TRUE(map) << map.error().message;
+    EXPECT_EQ(map->elevations[0].url, "../data/dem.tif");
+    EXPECT_EQ(map->elevations[1].url, "D:/a b/c.tif");
+    EXPECT_EQ(map->light.skyFile, "skies/noon.exr");
+    const Result<TerrainModel> model = loadMap(*map, "/no/such/folder", "m.earth");
+    ASSERT_TRUE(model) << model.error().message;
+    ASSERT_EQ(model->warnings.size(), 4u); // of the sky, the layers, and the map
+    EXPECT_EQ(model->warnings[1].rfind("m.earth:2: left out <GDALElevation>: ", 0), 0u);
+    EXPECT_EQ(model->warnings[1].find("drive"), std::string::npos);
+    EXPECT_NE(model->warnings[1].find("/no/such/folder/../data/dem.tif"), std::string::npos);
+    EXPECT_NE(model->warnings[2].find(": D:/a b/c.tif: no such file"), std::string::npos);
+    EXPECT_NE(model->warnings[2].find("; the path names a drive of Windows"), std::string::npos);
 }
 
 TEST(EarthFiles, LightInAnyCase)
@@ -279,7 +518,7 @@ TEST(EarthFiles, WhateverMayDrawAndIsNotKnownIsAWarning)
         {"<Options/>", false},
         {"<libraries>a;b</libraries>", false},
         {"<profile>global-geodetic</profile>", false},
-        {"<viewpoints><viewpoint/></viewpoints>", false},
+        {"<viewpoints><time>1</time></viewpoints>", false},
         {"<extensions/>", false},
         {"<name>m</name>", false},
         {"<model visible='false'/>", false}};

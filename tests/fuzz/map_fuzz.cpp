@@ -35,7 +35,13 @@ time="2024-06-21 12:00+02:00" place="11.5,48.1"><key_light azimuth="90" width="1
 highest="20" radiance="1 2 3"/><albedo>0.3</albedo><exposure>1</exposure></terrain_light></map>)",
             R"(<Earth><GdalElevation Enabled="No" Url="a"/><HEIGHTFIELD driver="GDAL"><url> a.tif
 </url></HEIGHTFIELD><terrain_light sky="clear" turbidity="4" sky_harmonics="1,2,3,4"
-key_lights="0,10,5,20;90,20,1,2,3"/></Earth>)"};
+key_lights="0,10,5,20;90,20,1,2,3"/></Earth>)",
+            R"(<map><CompositeElevation><layers><GDALElevation url="input.tif" vdatum="egm96"/>
+<GDALElevation url="input.tif" z_factor="2"/></layers></CompositeElevation><image driver="composite"
+opacity="0.5"><image driver="gdal" url="a\b.tif" opacity="1"/></image><XYZImage profile="geodetic"
+url="t/{z}/{x}/{y}.png" invert_y="true"/><TMSImage url="tms.xml"/><options><sky hours="15.5"
+date_time="2024-06-21"/></options><viewpoints><viewpoint name="v" heading="45deg" pitch="-30"
+range="5km" srs="EPSG:32633" x="500000" y="4000000" z="10"/></viewpoints></map>)"};
 }
 
 std::string asciiGrid()

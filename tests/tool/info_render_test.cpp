@@ -185,7 +185,7 @@ TEST_F(Render, FailuresLeaveNothing)
         EXPECT_TRUE(result.complains("terrainlight: " + scene)) << result.err;
         EXPECT_EQ(left(), before);
     }
-    std::ofstream(path("m.earth")) << "<map><elevation driver='tms' url='a'/></map>";
+    std::ofstream(path("m.earth")) << "<map><elevation driver='noise' url='a'/></map>";
     for (const std::string suffix : {"", ".terrainlight"})
     {
         const ToolRun result = run("render m.earth" + suffix + " p.png -q");

@@ -4,6 +4,7 @@
 #include "io/GdalErrors.h"
 #include "io/HeightReader.h"
 #include "io/OpenDem.h"
+#include "io/PlacedHeights.h"
 
 #include <gdal_priv.h>
 
@@ -134,63 +135,24 @@ private:
         return std::nullopt;
     }
 
-    void addNotes(const GroundSpacing& ground, DemFile& file) const
-    {
-        const std::vector<std::string> notes = _reader.notes();
-        file.notes.insert(file.notes.end(), notes.begin(), notes.end());
-        if (const std::string note = noteOfSlopes(ground, file.lowest, file.highest); !note.empty())
-            file.notes.push_back(note);
-    }
-
     /// metresAt(column, row): of the frame in the file's order; NaN where void.
     template <class MetresAt>
     Result<DemFile> fileOf(const RasterFrame& frame, const GroundSpacing& ground,
                            const MetresAt& metresAt) const
     {
-        HeightRange range;
-        const auto eachHeight = [&](const auto& take)
-        {
-            for (int row = 0; row < frame.height; ++row)
-                for (int column = 0;
-                     column < frame.width && !isBeyondPole(ground, frame, frame.fileRow(row));
-                     ++column)
-                    if (const double metres =
-                            metresAt(frame.fileColumn(column), frame.fileRow(row));
-                        !std::isnan(metres))
-                        take(column, row, heightOf(metres));
-        };
-        eachHeight([&](int, int, double height) { range.add(height); });
-        if (range.count == 0)
-            return Error{ErrorCode::Invalid, _path + ": holds no valid height between the poles"};
-
-        DemFile file;
-        file.frame = frame;
-        file.lowest = range.lowest;
-        file.highest = range.highest;
-        file.notes = _info.notes;
-        addNotes(ground, file);
-        DemTile& tile = file.tile;
-        tile = DemTile(frame.width, frame.height, ground.north);
-        tile.eastSpacings = ground.east;
-        tile.heightOrigin = originOfHeights(file.lowest, file.highest);
-        tile.crs = frame.crs;
-        tile.mapStepX = std::abs(frame.geoTransform[1]);
-        tile.mapStepY = std::abs(frame.geoTransform[5]);
-        tile.mapOriginX = frame.mapX(0);
-        tile.mapOriginY = frame.mapY(0);
-        // Posts of a new tile are void.
-        std::size_t beyond = 0;
-        eachHeight(
-            [&](int column, int row, double height)
-            {
-                tile.setHeight(column, row,
-                               static_cast<float>((height - tile.heightOrigin) *
-                                                  ground.factors.at(column, row)));
-                beyond += tile.isValid(column, row) ? 0u : 1u;
-            });
-        if (auto error = tellOfBeyond(_path, beyond, range.count, file.notes))
-            return *error;
-        return file;
+        std::vector<std::string> notes = _info.notes;
+        const std::vector<std::string> read = _reader.notes();
+        notes.insert(notes.end(), read.begin(), read.end());
+        GroundSpacing used = ground;
+        if (!_options.byMapScale)
+            used.factors = HeightFactors();
+        return placeHeights(_path, frame, used, std::move(notes),
+                            [&](int column, int row)
+                            {
+                                const double metres =
+                                    metresAt(frame.fileColumn(column), frame.fileRow(row));
+                                return std::isnan(metres) ? metres : heightOf(metres);
+                            });
     }
 
     const std::string& _path;

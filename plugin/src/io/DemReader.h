@@ -36,6 +36,9 @@ struct DemReadOptions
     std::string heightUnit;
     /// What heights are multiplied by, as gdaldem's -z: not 0; below 0 turns depths into heights.
     double heightFactor = 1.0;
+    /// Whether heights of the tile are multiplied by the HeightFactors of measureGround(), which
+    /// make slopes right; else they are what the raster says.
+    bool byMapScale = true;
     /// Called with 0 … 1 while reading; false cancels.
     std::function<bool(double)> progress;
     /// A larger raster or window is refused before anything is allocated.
@@ -74,8 +77,8 @@ Result<DemInfo> describeDem(const std::string& path, const DemReadOptions& optio
 /// Reads heights in metres. Posts are pixel centres. Void are: the nodata value, what a mask or
 /// alpha band has 0 for, NaN, infinities, heights beyond ±1e6 m, rows of a geographic raster beyond
 /// a pole, and CustomaryVoids. Radii of the CRS's body become heights above its semi-major axis.
-/// Where the map's scale differs within the raster, heights of the tile are multiplied by the
-/// HeightFactors of measureGround(), which are 1 in the middle.
+/// Where the map's scale differs within the raster, heights of the tile are multiplied by factors
+/// (DemReadOptions::byMapScale), which are 1 in the middle.
 Result<DemFile> readDem(const std::string& path, const DemReadOptions& options = {});
 
 /// As readDem() without a window, but a raster with more than maxSide posts a side is averaged down

@@ -1,25 +1,61 @@
 #include "io/EarthFile.h"
 
+#include "io/EarthLayers.h"
+#include "io/EarthLight.h"
+#include "io/EarthXml.h"
 #include "io/InputFiles.h"
 #include "io/ReadOption.h"
-
-#include <pugixml.hpp>
 
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <set>
+#include <utility>
 
 namespace osgTerrainLight
 {
 
 namespace
 {
-/// One file being read: the text is kept for line numbers, which pugixml does not count.
+/// Elements of a map that are no layer and draw nothing. Whatever else osgEarth finds in a map
+/// is a layer, of dozens of kinds, or an extension that may draw.
+bool drawsNothing(const std::string& tag)
+{
+    static const std::set<std::string> names = {"options", "libraries", "profile", "extensions",
+                                                "name",    "type",      "version"};
+    return names.count(tag) != 0;
+}
+
+/// Of layers that are read.
+bool isDriver(const std::string& name)
+{
+    static const std::set<std::string> names = {"gdal", "mbtiles", "tms", "xyz", "composite"};
+    return names.count(name) != 0;
+}
+
+/// Keys of <terrain_light> that place the sun.
+bool setsSun(const std::string& key)
+{
+    return key == "sun_azimuth" || key == "sun_elevation" || key == "time";
+}
+
+std::vector<std::string> keysOf(const pugi::xml_node& element)
+{
+    std::vector<std::string> keys;
+    for (const pugi::xml_attribute& attribute : element.attributes())
+        keys.emplace_back(attribute.name());
+    for (const pugi::xml_node& child : element.children())
+        if (child.type() == pugi::node_element)
+            keys.emplace_back(child.name());
+    return keys;
+}
+
+/// One file being read.
 class Parser
 {
 public:
-    Parser(const std::string& text, const std::string& source) : _text(text), _source(source) {}
+    Parser(const std::string& text, const std::string& source) : _text(text), _xml(text, source) {}
 
     Result<EarthMap> parse()
     {
@@ -27,12 +63,12 @@ public:
         const pugi::xml_parse_result parsed =
             document.load_buffer(_text.data(), _text.size(), pugi::parse_default);
         if (!parsed)
-            return error(lineAt(static_cast<std::size_t>(parsed.offset)),
-                         std::string("is no well-formed XML: ") + parsed.description());
+            return _xml.error(_xml.lineAt(static_cast<std::size_t>(parsed.offset)),
+                              std::string("is no well-formed XML: ") + parsed.description());
         const pugi::xml_node root = document.document_element();
-        if (lower(root.name()) != "map" && lower(root.name()) != "earth")
-            return error(lineOf(root), std::string("the outermost element is <") + root.name() +
-                                           ">; needs <map>");
+        if (lowerCase(root.name()) != "map" && lowerCase(root.name()) != "earth")
+            return _xml.error(_xml.lineOf(root), std::string("the outermost element is <") +
+                                                     root.name() + ">; needs <map>");
 
         _map.name = valueOf(root, "name");
         for (const pugi::xml_node& element : root.children())
@@ -43,216 +79,307 @@ public:
             if (!read)
                 return read.error();
         }
+        followSky();
+        compareVerticalDatums();
         if (_map.elevations.empty() && _map.images.empty())
-            return error(lineOf(root),
-                         "holds no layer that can be drawn" +
-                             (_map.leftOut.empty() ? "" : ", left out: " + _map.leftOut) +
-                             "; needs <elevation driver=\"gdal\"> or "
-                             "<image driver=\"gdal\"> with a url");
+            return _xml.error(_xml.lineOf(root),
+                              "holds no layer that can be drawn" +
+                                  (_map.leftOut.empty() ? "" : ", left out: " + _map.leftOut) +
+                                  "; needs <elevation driver=\"gdal\"> or "
+                                  "<image driver=\"gdal\"> with a url");
         if (!_missed.empty())
-            _map.warnings.push_back(_source + ": left out: " + _missed);
+            _map.warnings.push_back(_xml.source() + ": left out: " + _missed);
         if (!_skipped.empty())
-            _map.notes.push_back(_source + ": skipped: " + _skipped);
+            _map.notes.push_back(_xml.source() + ": skipped: " + _skipped);
         return _map;
     }
 
 private:
-    int lineAt(std::size_t offset) const
+    std::string lineText(const pugi::xml_node& node) const
     {
-        const std::size_t end = std::min(offset, _text.size());
-        return 1 + static_cast<int>(std::count(
-                       _text.begin(), _text.begin() + static_cast<std::ptrdiff_t>(end), '\n'));
-    }
-    int lineOf(const pugi::xml_node& node) const
-    {
-        return lineAt(static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, node.offset_debug())));
-    }
-    /// Line of an attribute, which may stand below its element's name.
-    int lineOf(const pugi::xml_node& node, const std::string& attribute) const
-    {
-        const std::size_t start = static_cast<std::size_t>(node.offset_debug());
-        const std::size_t found = _text.find(attribute, start + std::string(node.name()).size());
-        return lineAt(std::min(found, _text.size()));
-    }
-    Error error(int line, const std::string& sentence) const
-    {
-        return {ErrorCode::Invalid, _source + ":" + std::to_string(line) + ": " + sentence};
-    }
-    static void append(std::string& list, const std::string& item)
-    {
-        list += (list.empty() ? "" : ", ") + item;
+        return "line " + std::to_string(_xml.lineOf(node));
     }
     /// isMissed: somebody may look for it in the picture.
     void leaveOut(const pugi::xml_node& element, const std::string& what, const std::string& why,
                   bool isMissed)
     {
-        const std::string item =
-            what + " (line " + std::to_string(lineOf(element)) + ": " + why + ")";
+        const std::string item = what + " (" + lineText(element) + ": " + why + ")";
         append(_map.leftOut, item);
         append(isMissed ? _missed : _skipped, item);
     }
 
-    /// osgEarth takes names of elements and keys in any case.
-    static std::string lower(std::string text)
-    {
-        for (char& c : text)
-            c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-        return text;
-    }
-
-    /// Without blanks at its ends.
-    static std::string trimmed(const std::string& text)
-    {
-        const char* blanks = " \t\r\n";
-        const std::size_t first = text.find_first_not_of(blanks);
-        if (first == std::string::npos)
-            return {};
-        return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
-    }
-
-    /// The value of a key (lower case), which osgEarth lets stand as an attribute or as a child.
-    static std::string valueOf(const pugi::xml_node& element, const char* key)
-    {
-        for (const pugi::xml_attribute& attribute : element.attributes())
-            if (const std::string value = trimmed(attribute.value());
-                lower(attribute.name()) == key && !value.empty())
-                return value;
-        for (const pugi::xml_node& child : element.children())
-            if (const std::string value = trimmed(child.text().get());
-                lower(child.name()) == key && !value.empty())
-                return value;
-        return {};
-    }
-
-    /// Elements of a map that are no layer and draw nothing. Whatever else osgEarth finds in a map
-    /// is a layer, of dozens of kinds, or an extension that may draw.
-    static bool drawsNothing(const std::string& tag)
-    {
-        static const std::set<std::string> names = {"options",    "libraries",  "profile",
-                                                    "viewpoints", "extensions", "name",
-                                                    "type",       "version"};
-        return names.count(tag) != 0;
-    }
-
-    /// As osgEarth reads a flag: these words, in any case, are no; the rest leaves the layer in.
-    static bool isNo(const std::string& value)
-    {
-        const std::string word = lower(value);
-        return word == "false" || word == "no" || word == "off";
-    }
-
     Status readElement(const pugi::xml_node& element)
     {
-        const std::string tag = lower(element.name());
+        const std::string tag = lowerCase(element.name());
         if (tag == "terrain_light")
-            return readLight(element);
-        const std::string driver = valueOf(element, "driver");
-        const bool isGdal = lower(driver) == "gdal";
-        const bool elevation =
-            tag == "gdalelevation" || ((tag == "elevation" || tag == "heightfield") && isGdal);
-        const bool image = tag == "gdalimage" || (tag == "image" && isGdal);
-        const std::string name = valueOf(element, "name");
-        const std::string what = std::string("<") + element.name() +
-                                 (driver.empty() ? "" : " driver=\"" + driver + "\"") +
-                                 (name.empty() ? "" : " name=\"" + name + "\"") + ">";
-        for (const char* key : {"open", "enabled", "visible"})
-            if (isNo(valueOf(element, key)))
+        {
+            for (const std::string& key : keysOf(element))
+                _hasSun = _hasSun || setsSun(lowerCase(key));
+            const Status read = readTerrainLight(_xml, element, _map.light);
+            _map.light.skyFile = withSlashes(_map.light.skyFile);
+            return read;
+        }
+        if (readPart(element))
+            return Nothing{};
+        if (tag == "options" || tag == "extensions" || tag == "external")
+        {
+            readParts(element);
+            return Nothing{};
+        }
+        return readLayer(element, nullptr);
+    }
+
+    /// Parts that osgEarth 3 has in the map itself, and osgEarth 2 in others. False where it is
+    /// none.
+    bool readPart(const pugi::xml_node& element)
+    {
+        const std::string tag = lowerCase(element.name());
+        if (tag == "viewpoints")
+            readViewpoints(element);
+        else if (tag == "sky")
+            readSky(element);
+        return tag == "viewpoints" || tag == "sky";
+    }
+
+    void readParts(const pugi::xml_node& element)
+    {
+        bool hasParts = false;
+        bool hasOthers = false;
+        for (const pugi::xml_node& child : element.children())
+            if (child.type() == pugi::node_element)
+                (readPart(child) ? hasParts : hasOthers) = true;
+        if (hasOthers || !hasParts)
+            leaveOut(element, whatOf(element),
+                     hasParts ? "only its sky and its viewpoints are read"
+                              : "of a kind that is not known here",
+                     !drawsNothing(lowerCase(element.name())));
+    }
+
+    void readSky(const pugi::xml_node& element)
+    {
+        const std::string what = whatOf(element);
+        if (isSwitchedOff(element, what))
+            return;
+        const Result<std::optional<UtcTime>> time = readSkyTime(element);
+        if (!time)
+            warnOf(element, time.error());
+        else if (!*time)
+            leaveOut(element, what, "has neither hours nor date_time", false);
+        else
+        {
+            _sky = {element, **time};
+            nameUnread(element, what, {skyKeys.begin(), skyKeys.end()});
+        }
+    }
+
+    /// The sun by the time of <sky>, where <terrain_light> has none.
+    void followSky()
+    {
+        if (!_sky)
+            return;
+        const auto& [element, time] = *_sky;
+        if (_hasSun || !_map.light.skyFile.empty())
+            append(_skipped, whatOf(element) + " (" + lineText(element) +
+                                 ": the sun is that of <terrain_light>)");
+        else
+            _map.light.time = time;
+    }
+
+    void warnOf(const pugi::xml_node& element, const Error& reason)
+    {
+        _map.warnings.push_back(
+            _xml.error(_xml.lineOf(element), "left out " + whatOf(element) + ": " + reason.message)
+                .message);
+    }
+
+    bool isSwitchedOff(const pugi::xml_node& element, const std::string& what)
+    {
+        const std::string off = switchOf(element);
+        if (!off.empty())
+            leaveOut(element, what, off, false);
+        return !off.empty();
+    }
+
+    void readViewpoints(const pugi::xml_node& element)
+    {
+        for (const pugi::xml_node& child : element.children())
+        {
+            if (lowerCase(child.name()) != "viewpoint")
+                continue;
+            const std::string what = whatOf(child);
+            if (const Result<EarthViewpoint> viewpoint = readViewpoint(child))
             {
-                leaveOut(element, what, std::string(key) + " is " + valueOf(element, key), false);
-                return Nothing{};
+                _map.viewpoints.push_back(*viewpoint);
+                nameUnread(child, what, {viewpointKeys.begin(), viewpointKeys.end()});
             }
-        if (!elevation && !image)
+            else
+                warnOf(child, viewpoint.error());
+        }
+        nameUnread(element, whatOf(element), {"viewpoint"});
+    }
+
+    /// As messages call it.
+    static std::string whatOf(const pugi::xml_node& element)
+    {
+        std::string what = std::string("<") + element.name();
+        for (const char* key : {"driver", "name"})
+            if (const std::string value = valueOf(element, key); !value.empty())
+                what += std::string(" ") + key + "=\"" + value + "\"";
+        return what + ">";
+    }
+
+    /// What a layer may be a part of.
+    struct Composite
+    {
+        LayerKind kind;
+        double opacity;
+        int depth; ///< in other composites
+    };
+
+    /// composite: null where it is a part of none.
+    Status readLayer(const pugi::xml_node& element, const Composite* composite)
+    {
+        const std::string what = whatOf(element);
+        if (isSwitchedOff(element, what))
+            return Nothing{};
+        const std::optional<LayerKind> kind = layerKindOf(element);
+        if (!kind || !isDriver(kind->driver))
         {
-            leaveOut(element, what, "of a kind that is not known here", !drawsNothing(tag));
+            leaveOut(element, what, "of a kind that is not known here",
+                     composite || !drawsNothing(lowerCase(element.name())));
             return Nothing{};
         }
-        EarthLayer layer{what, valueOf(element, "url"), lineOf(element), {}};
-        for (const char* key : readOptionNames)
-            if (const std::string value = valueOf(element, key); elevation && !value.empty())
-                if (const Status set = setReadOption(layer.read, key, value); !set)
-                    return error(layer.line,
-                                 "<" + std::string(element.name()) + "> " + set.error().message);
-        if (layer.url.empty())
+        if (composite && composite->kind.isElevation != kind->isElevation)
         {
-            leaveOut(element, what, "has no url", true);
+            leaveOut(element, what,
+                     composite->kind.isElevation ? "a part of a composite of elevations"
+                                                 : "a part of a composite of images",
+                     true);
             return Nothing{};
         }
-        (elevation ? _map.elevations : _map.images).push_back(layer);
-        nameUnread(element, what, elevation);
+        const Result<double> opacity = kind->isElevation ? 1.0 : opacityOf(element);
+        if (!opacity)
+            return _xml.error(_xml.lineOf(element),
+                              "<" + std::string(element.name()) + "> " + opacity.error().message);
+        const Composite here{*kind, *opacity * (composite ? composite->opacity : 1.0),
+                             composite ? composite->depth + 1 : 0};
+        return kind->driver == "composite" ? readComposite(element, what, here)
+                                           : readRaster(element, what, here);
+    }
+
+    Status readComposite(const pugi::xml_node& element, const std::string& what,
+                         const Composite& composite)
+    {
+        constexpr int deepest = 16; // far more than people write, and no danger to the stack
+        const std::vector<pugi::xml_node> parts = partsOf(element);
+        if (parts.empty() || composite.depth == deepest)
+        {
+            leaveOut(element, what,
+                     parts.empty() ? "has no layers" : "lies too deep in other composites", true);
+            return Nothing{};
+        }
+        std::vector<std::string> read = {"layers"};
+        for (const pugi::xml_node& part : parts)
+        {
+            if (Status status = readLayer(part, &composite); !status)
+                return status;
+            read.push_back(lowerCase(part.name()));
+        }
+        if (!composite.kind.isElevation)
+            read.push_back("opacity");
+        nameUnread(element, what, read);
         return Nothing{};
     }
 
-    /// Keys of a layer that other readers of the format know, such as vdatum and opacity.
-    void nameUnread(const pugi::xml_node& element, const std::string& what, bool elevation)
+    Status readRaster(const pugi::xml_node& element, const std::string& what, const Composite& kind)
     {
-        std::vector<std::string> read = {"name", "driver", "url", "open", "enabled", "visible"};
-        if (elevation)
+        EarthLayer layer;
+        layer.what = what;
+        for (const char* key : {"url", "filename"}) // the second of osgEarth's MBTiles
+            if (layer.url.empty())
+                layer.url = withSlashes(valueOf(element, key));
+        layer.line = _xml.lineOf(element);
+        layer.opacity = kind.opacity;
+        layer.driver = kind.kind.driver;
+        std::vector<std::string> read = {"url", "filename"};
+        if (kind.kind.isElevation)
+        {
+            layer.verticalDatum = verticalDatumOf(element);
+            read.push_back("vdatum");
             read.insert(read.end(), std::begin(readOptionNames), std::end(readOptionNames));
-        std::vector<std::string> keys;
-        for (const pugi::xml_attribute& attribute : element.attributes())
-            keys.emplace_back(attribute.name());
-        for (const pugi::xml_node& child : element.children())
-            if (child.type() == pugi::node_element)
-                keys.emplace_back(child.name());
+            for (const char* key : readOptionNames)
+                if (const std::string value = valueOf(element, key); !value.empty())
+                    if (const Status set = setReadOption(layer.read, key, value); !set)
+                        return _xml.error(layer.line, "<" + std::string(element.name()) + "> " +
+                                                          set.error().message);
+        }
+        else
+            read.push_back("opacity");
+        const bool isPyramid = layer.driver == "tms" || layer.driver == "xyz";
+        if (layer.driver == "xyz")
+        {
+            layer.profile = lowerCase(valueOf(element, "profile"));
+            layer.fromSouth = isYes(valueOf(element, "invert_y"));
+            read.insert(read.end(), {"profile", "invert_y"});
+        }
+        const bool isRemote = isPyramid && layer.url.find("://") != std::string::npos;
+        if (layer.url.empty() || isRemote)
+        {
+            leaveOut(element, what,
+                     isRemote ? "its tiles are on a network; needs a folder" : "has no url", true);
+            return Nothing{};
+        }
+        (kind.kind.isElevation ? _map.elevations : _map.images).push_back(layer);
+        nameUnread(element, what, read);
+        return Nothing{};
+    }
+
+    /// Heights above another datum lie wrong beside the others, since none are converted. Where all
+    /// have the same one, light does not depend on it.
+    void compareVerticalDatums()
+    {
+        const auto datumOf = [](const EarthLayer& layer)
+        {
+            return layer.verticalDatum.empty() ? "a vertical datum that is not named"
+                                               : "the vertical datum " + layer.verticalDatum;
+        };
+        const std::size_t before = _map.warnings.size();
+        for (const EarthLayer& layer : _map.elevations)
+            if (const EarthLayer& first = _map.elevations.front();
+                layer.verticalDatum != first.verticalDatum)
+                _map.warnings.push_back(_xml.error(layer.line, "the heights of " + layer.what +
+                                                                   " are above " + datumOf(layer) +
+                                                                   ", those of " + first.what +
+                                                                   " above " + datumOf(first) +
+                                                                   "; they are not converted")
+                                            .message);
+        if (_map.warnings.size() == before && !_map.elevations.empty() &&
+            !_map.elevations.front().verticalDatum.empty())
+            _map.notes.push_back(_xml.source() + ": all heights are above " +
+                                 datumOf(_map.elevations.front()));
+    }
+
+    /// Keys of a layer that other readers of the format know, such as min_level and profile. read:
+    /// those that are read here, but for those of all layers.
+    void nameUnread(const pugi::xml_node& element, const std::string& what,
+                    const std::vector<std::string>& read)
+    {
+        static const std::set<std::string> ofAll = {"name", "driver", "open", "enabled", "visible"};
         std::string unread;
-        for (const std::string& key : keys)
-            if (std::find(read.begin(), read.end(), lower(key)) == read.end())
+        for (const std::string& key : keysOf(element))
+            if (const std::string lower = lowerCase(key);
+                ofAll.count(lower) == 0 && std::find(read.begin(), read.end(), lower) == read.end())
                 append(unread, key);
         if (!unread.empty())
-            append(_skipped, "keys of " + what + " (line " + std::to_string(lineOf(element)) +
+            append(_skipped, "keys of " + what + " (" + lineText(element) +
                                  ": not read here: " + unread + ")");
     }
 
-    Status readLight(const pugi::xml_node& element)
-    {
-        for (const pugi::xml_attribute& attribute : element.attributes())
-        {
-            Status set = setLightParameter(_map.light, lower(attribute.name()), attribute.value());
-            if (!set)
-                return error(lineOf(element, attribute.name()),
-                             "<terrain_light> " + set.error().message);
-        }
-        for (const pugi::xml_node& child : element.children())
-        {
-            if (child.type() != pugi::node_element)
-                continue;
-            const bool key = lower(child.name()) == "key_light";
-            if (Status read = key ? readKeyLight(child) : Status(Nothing{}); !read)
-                return read;
-            if (key)
-                continue;
-            Status set =
-                setLightParameter(_map.light, lower(child.name()), trimmed(child.text().get()));
-            if (!set)
-                return error(lineOf(child), "<terrain_light> " + set.error().message);
-        }
-        return Nothing{};
-    }
-
-    Status readKeyLight(const pugi::xml_node& element)
-    {
-        KeyLight key;
-        for (const pugi::xml_attribute& attribute : element.attributes())
-            if (Status set = setKeyLight(key, lower(attribute.name()), attribute.value()); !set)
-                return error(lineOf(element, attribute.name()),
-                             "<key_light> " + set.error().message);
-        for (const pugi::xml_node& child : element.children())
-        {
-            if (child.type() != pugi::node_element)
-                continue;
-            if (Status set = setKeyLight(key, lower(child.name()), trimmed(child.text().get()));
-                !set)
-                return error(lineOf(child), "<key_light> " + set.error().message);
-        }
-        _map.light.sky.keyLights.push_back(key);
-        if (const std::string wrong = complaint(_map.light.sky); !wrong.empty())
-            return error(lineOf(element), "<key_light> " + wrong);
-        return Nothing{};
-    }
-
     const std::string& _text;
-    const std::string& _source;
+    EarthXml _xml;
     EarthMap _map;
+    bool _hasSun = false; ///< of <terrain_light>
+    std::optional<std::pair<pugi::xml_node, UtcTime>> _sky;
     std::string _missed, _skipped; ///< what EarthMap::leftOut holds, in two parts
 };
 } // namespace

@@ -2,6 +2,7 @@
 
 #include "core/Result.h"
 #include "io/DemReader.h"
+#include "io/EarthViewpoint.h"
 #include "io/LightParameters.h"
 
 #include <string>
@@ -14,9 +15,14 @@ namespace osgTerrainLight
 struct EarthLayer
 {
     std::string what; ///< its element, as messages call it: <GDALImage name="base">
-    std::string url;  ///< as written; relative to the file's folder
+    std::string url;  ///< as written, with / for \; relative to the file's folder
     int line = 0;
-    DemReadOptions read; ///< of an elevation: cell_size, unit, z_factor
+    DemReadOptions read;       ///< of an elevation: cell_size, unit, z_factor
+    std::string verticalDatum; ///< of an elevation, as osgEarth names it; empty: none is named
+    double opacity = 1.0;      ///< of an image, 0 … 1
+    std::string driver;        ///< gdal, mbtiles, tms or xyz
+    std::string profile;       ///< of tiles by xyz, in lower case; may be empty
+    bool fromSouth = false;    ///< rows of tiles by xyz count from the south
 };
 
 /// What we read of an .earth file (docs/EARTH_FILE.md).
@@ -26,9 +32,10 @@ struct EarthMap
     std::vector<EarthLayer> elevations;
     std::vector<EarthLayer> images; ///< bottom first
     LightParameters light;
-    std::string leftOut;               ///< all elements that are not drawn, and why; one list
-    std::vector<std::string> warnings; ///< those that somebody may look for in the picture
-    std::vector<std::string> notes;    ///< what else was left out, and why
+    std::vector<EarthViewpoint> viewpoints; ///< in their order
+    std::string leftOut;                    ///< all elements that are not drawn, and why; one list
+    std::vector<std::string> warnings;      ///< those that somebody may look for in the picture
+    std::vector<std::string> notes;         ///< what else was left out, and why
 };
 
 /// Names of elements and keys may be in any case; a key is an attribute or a child. A layer that is

@@ -83,7 +83,8 @@ Result<std::unique_ptr<FarTerrain>> FarTerrain::open(const std::string& path,
                                              " has one; needed both or none"};
     if (frame.crs.empty())
         made->_notes.push_back("no CRS: map coordinates are taken as those of " + near.path());
-    made->_toPixels = PostsToPixels::between(frame, near.crs(), *made->_dem.dataset);
+    made->_toPixels =
+        PostsToPixels::between(frame, near.crs(), info.frame, made->_dem.dataset->GetSpatialRef());
     if (!made->_toPixels)
         return Error{ErrorCode::Invalid, path + ": there is no way from CRS \"" +
                                              near.info().crsName + "\" to \"" + info.crsName +

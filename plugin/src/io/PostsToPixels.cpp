@@ -1,7 +1,6 @@
 #include "io/PostsToPixels.h"
 
 #include <gdal_alg.h>
-#include <gdal_priv.h>
 #include <ogr_spatialref.h>
 
 #include <cmath>
@@ -50,21 +49,21 @@ void PostsToPixels::Release::operator()(void* transformer) const
 
 std::optional<PostsToPixels> PostsToPixels::between(const RasterFrame& posts,
                                                     const OGRSpatialReference* crsOfPosts,
-                                                    GDALDataset& raster)
+                                                    const RasterFrame& raster,
+                                                    const OGRSpatialReference* crsOfRaster)
 {
     PostsToPixels made;
     made._frame = posts;
-    raster.GetGeoTransform(made._transform.data());
-    made._width = raster.GetRasterXSize();
-    const OGRSpatialReference* crs = raster.GetSpatialRef();
-    made._turn = turnOf(crs, made._transform[1]);
+    made._transform = raster.geoTransform;
+    made._width = raster.width;
+    made._turn = turnOf(crsOfRaster, made._transform[1]);
     made._turnOfPosts = turnOf(crsOfPosts, posts.geoTransform[1]);
-    if (!crs || !crsOfPosts)
+    if (!crsOfRaster || !crsOfPosts)
         return made;
     const auto handle = [](const OGRSpatialReference* reference)
     { return OGRSpatialReference::ToHandle(const_cast<OGRSpatialReference*>(reference)); };
     made._exact.reset(
-        GDALCreateReprojectionTransformerEx(handle(crsOfPosts), handle(crs), nullptr));
+        GDALCreateReprojectionTransformerEx(handle(crsOfPosts), handle(crsOfRaster), nullptr));
     if (!made._exact)
         return std::nullopt;
     constexpr double tolerance = 0.01; // of a pixel

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-class GDALDataset;
 class OGRSpatialReference;
 
 namespace osgTerrainLight
@@ -27,9 +26,12 @@ public:
     };
 
     /// Nothing where PROJ has no way from one to the other. crs: null where a raster has none; both
-    /// have one, or none has: map coordinates are then the same.
-    static std::optional<PostsToPixels>
-    between(const RasterFrame& posts, const OGRSpatialReference* crsOfPosts, GDALDataset& raster);
+    /// have one, or none has: map coordinates are then the same. Of the other raster's frame the
+    /// file's order counts.
+    static std::optional<PostsToPixels> between(const RasterFrame& posts,
+                                                const OGRSpatialReference* crsOfPosts,
+                                                const RasterFrame& raster,
+                                                const OGRSpatialReference* crsOfRaster);
 
     /// Of posts in one row, `step` apart from the first column on. Out by at most a hundredth of a
     /// pixel, for the sake of speed.

@@ -1,6 +1,8 @@
 #include "scene/TerrainModel.h"
 
+#include "io/CompositeDem.h"
 #include "io/MapPlace.h"
+#include "io/TileRaster.h"
 #include "scene/TerrainTileReader.h"
 #include <osgTerrainLight/Environment.h>
 
@@ -17,6 +19,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cctype>
 #include <cmath>
 #include <mutex>
 
@@ -105,17 +108,6 @@ std::string baseName(const std::string& path)
     return osgDB::getSimpleFileName(path);
 }
 
-/// A DEM with as many posts as are drawn.
-Result<DemFile> readDrawn(const std::string& path, const DemReadOptions& options)
-{
-    Result<DemFile> file = readDemReduced(path, options, mostDrawnPosts);
-    if (file && (file->tile.width() < 2 || file->tile.height() < 2))
-        return Error{ErrorCode::Invalid, path + ": has " + std::to_string(file->tile.width()) +
-                                             " x " + std::to_string(file->tile.height()) +
-                                             " posts; needs at least 2 x 2 to be drawn"};
-    return file;
-}
-
 osg::BoundingBoxd extentOf(const DemTile& tile)
 {
     osg::BoundingBoxd box;
@@ -128,16 +120,33 @@ osg::BoundingBoxd extentOf(const DemTile& tile)
     return box;
 }
 
-void addNotes(const std::string& path, const DemFile& file, TerrainModel& model)
+/// C:/data/dem.tif
+bool namesDrive(const std::string& url)
 {
-    for (const std::string& note : file.notes)
-        model.notes.push_back(path + ": " + note);
+    return url.size() > 2 && std::isalpha(static_cast<unsigned char>(url[0])) && url[1] == ':' &&
+           url[2] == '/';
 }
 
 std::string resolved(const std::string& url, const std::string& folder)
 {
     const bool whole = osgDB::isAbsolutePath(url) || url.compare(0, 4, "/vsi") == 0;
     return whole || folder.empty() ? url : osgDB::concatPaths(folder, url);
+}
+
+/// The path that GDAL reads the layer by. tiles: keeps what is made for that.
+Result<std::string> pathOf(const EarthLayer& layer, const std::string& folder,
+                           std::vector<TileRaster>& tiles)
+{
+    std::string path = resolved(layer.url, folder);
+    if (layer.driver != "tms" && layer.driver != "xyz")
+        return path;
+    const Result<TileRaster> raster =
+        layer.driver == "tms" ? TileRaster::ofTileMap(path)
+                              : TileRaster::ofPattern(path, layer.profile, layer.fromSouth);
+    if (!raster)
+        return raster.error();
+    tiles.push_back(*raster);
+    return raster->path();
 }
 } // namespace
 
@@ -222,7 +231,7 @@ Status setTimeAndPlace(TerrainLighting& node, const LightParameters& light,
 Result<TerrainModel> loadRaster(const std::string& path, const DemReadOptions& read,
                                 const LightParameters& light)
 {
-    const Result<DemFile> file = readDrawn(path, read);
+    const Result<DemFile> file = readDrawn(path, read, mostDrawnPosts);
     if (!file)
         return file.error();
     TerrainModel model;
@@ -233,7 +242,8 @@ Result<TerrainModel> loadRaster(const std::string& path, const DemReadOptions& r
     model.terrain = extentOf(file->tile);
     if (const Status set = setTimeAndPlace(*model.node, light, file->tile); !set)
         return Error{set.error().code, path + ": " + set.error().message};
-    addNotes(path, *file, model);
+    for (const std::string& note : file->notes)
+        model.notes.push_back(path + ": " + note);
     return model;
 }
 
@@ -250,39 +260,44 @@ Result<TerrainModel> loadMap(const EarthMap& map, const std::string& folder,
     const auto leaveOut = [&](const EarthLayer& layer, const Error& reason)
     {
         const std::string line = std::to_string(layer.line);
-        model.warnings.push_back(source + ":" + line + ": left out " + layer.what + ": " +
-                                 reason.message);
-        leftOut += (leftOut.empty() ? "" : ", ") + layer.what + " (line " + line + ": " +
-                   reason.message + ")";
+        const std::string why =
+            reason.message + (reason.code == ErrorCode::NotFound && namesDrive(layer.url)
+                                  ? "; the path names a drive of Windows, and a path relative to "
+                                    "the map is found on every computer"
+                                  : "");
+        model.warnings.push_back(source + ":" + line + ": left out " + layer.what + ": " + why);
+        leftOut += (leftOut.empty() ? "" : ", ") + layer.what + " (line " + line + ": " + why + ")";
         isMissing = isMissing && reason.code == ErrorCode::NotFound;
     };
 
-    std::optional<DemTile> tile;
+    std::vector<TileRaster> tiles;
+    std::vector<DemLayer> dems;
+    std::vector<const EarthLayer*> layersOfDems;
     for (const EarthLayer& layer : map.elevations)
-    {
-        if (tile)
+        if (const Result<std::string> path = pathOf(layer, folder, tiles))
         {
-            leaveOut(layer,
-                     {ErrorCode::Invalid, "only the first elevation that can be read is used"});
-            continue;
+            dems.push_back({*path, layer.read});
+            layersOfDems.push_back(&layer);
         }
-        const std::string path = resolved(layer.url, folder);
-        const Result<DemFile> file = readDrawn(path, layer.read);
-        if (!file)
-        {
-            leaveOut(layer, file.error());
-            continue;
-        }
-        tile = file->tile;
-        addNotes(path, *file, model);
-    }
+        else
+            leaveOut(layer, path.error());
+    CompositeDem composite = readComposite(dems, mostDrawnPosts);
+    for (const auto& [number, reason] : composite.leftOut)
+        leaveOut(*layersOfDems[number], reason);
+    model.notes.insert(model.notes.end(), composite.notes.begin(), composite.notes.end());
+    std::optional<DemTile> tile = std::move(composite.tile);
     std::vector<ColourImage> colours;
     for (const EarthLayer& layer : map.images)
     {
-        const std::string path = resolved(layer.url, folder);
+        const Result<std::string> path = pathOf(layer, folder, tiles);
+        if (!path)
+        {
+            leaveOut(layer, path.error());
+            continue;
+        }
         if (!tile)
         {
-            const Result<DemTile> level = levelTileUnder(path);
+            const Result<DemTile> level = levelTileUnder(*path);
             if (level)
             {
                 tile = *level;
@@ -294,11 +309,16 @@ Result<TerrainModel> loadMap(const EarthMap& map, const std::string& folder,
                 continue;
             }
         }
-        Result<ColourImage> colour = readColour(path, *tile);
-        if (colour)
-            colours.push_back(std::move(*colour));
-        else
+        Result<ColourImage> colour = readColour(*path, *tile);
+        if (!colour)
+        {
             leaveOut(layer, colour.error());
+            continue;
+        }
+        for (std::size_t alpha = 3; alpha < colour->pixels.size(); alpha += 4)
+            colour->pixels[alpha] =
+                static_cast<std::uint8_t>(std::lround(layer.opacity * colour->pixels[alpha]));
+        colours.push_back(std::move(*colour));
     }
     if (tile)
     {
