@@ -48,16 +48,22 @@ void printHorizons(osg::State& state, const DemTile& tile, HorizonQuality qualit
     const std::clock_t start = std::clock();
     const std::vector<float> whole = inOnePiece(state, tile, lit, horizonsOf);
     const std::clock_t alone = std::clock() - start;
+    const Differences exactly = errorsOf(tile, whole);
+    std::printf("  one piece, %-6s: from the reference [degrees]: mean %.4f p99 %.3f\n",
+                toString(quality), exactly.mean, exactly.p99);
     for (const int tiles : sides)
     {
         const std::clock_t begun = std::clock();
-        const Differences found =
-            differencesOf(whole, inTiles(state, tile, lit, tiles, horizonsOf));
+        const std::vector<float> inAll = inTiles(state, tile, lit, tiles, horizonsOf);
+        const Differences found = differencesOf(whole, inAll);
         const double time = static_cast<double>(std::clock() - begun) / static_cast<double>(alone);
         std::printf("  %2d tiles, %-6s: horizons [degrees]: median %.4f mean %.4f p99 %.3f worst "
                     "%.1f, CPU time %.2f\n",
                     tiles * tiles, toString(quality), found.median, found.mean, found.p99,
                     found.worst, time);
+        const Differences errors = errorsOf(tile, inAll);
+        std::printf("            from the reference [degrees]: mean %.4f p99 %.3f\n", errors.mean,
+                    errors.p99);
         std::fflush(stdout);
     }
 }

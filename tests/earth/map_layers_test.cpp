@@ -4,11 +4,11 @@
 #include "io/MapReader.h"
 #include "scene/TerrainModel.h"
 #include "scene/TerrainTileReader.h"
+#include "support/MapTransform.h"
 #include "support/TestFolder.h"
 
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
-#include <ogr_spatialref.h>
 #include <osg/Image>
 #include <osg/NodeVisitor>
 #include <osgTerrain/TerrainTile>
@@ -88,12 +88,7 @@ TEST(MapLayers, AConeInUtmOverHeightsInDegrees)
     const Result<DemFile> base = readDem(OTL_SOURCE_DIR "/samples/data/jacksboro_90m.tif");
     ASSERT_TRUE(base);
     const DemTile& under = base->tile;
-    OGRSpatialReference utm, degrees;
-    utm.importFromEPSG(32616);
-    degrees.importFromEPSG(4326);
-    degrees.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-    const std::unique_ptr<OGRCoordinateTransformation> toUtm(
-        OGRCreateCoordinateTransformation(&degrees, &utm));
+    const auto toUtm = transformation("EPSG:4326", "EPSG:32616");
     int onCone = 0, around = 0;
     for (int row = 2; row < tile.height() - 2; row += 3)
         for (int column = 2; column < tile.width() - 2; column += 3)

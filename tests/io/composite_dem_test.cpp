@@ -1,5 +1,6 @@
 // Layers of heights that lie over each other, against closed forms at each post.
 #include "io/CompositeDem.h"
+#include "support/MapTransform.h"
 #include "support/MemoryRaster.h"
 
 #include <gtest/gtest.h>
@@ -155,12 +156,7 @@ TEST(CompositeDem, ALayerOfAnotherCrsIsTakenToTheMapOfTheFirst)
 {
     const auto inDegrees = [](double longitude, double latitude)
     { return 2000.0 + 1.0e4 * (longitude - 15.0) + 2.0e4 * (latitude - 36.1); };
-    OGRSpatialReference utm, degrees;
-    utm.importFromEPSG(32633);
-    degrees.importFromEPSG(4326);
-    degrees.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-    const std::unique_ptr<OGRCoordinateTransformation> toDegrees(
-        OGRCreateCoordinateTransformation(&utm, &degrees));
+    const auto toDegrees = transformation("EPSG:32633", "EPSG:4326");
     double west = 500000.0, south = 4000000.0;
     ASSERT_TRUE(toDegrees->Transform(1, &west, &south));
     const std::string other = raster(80, 80, {west - 0.002, 0.0001, 0, south + 0.006, 0, -0.0001},

@@ -1,4 +1,5 @@
 #include "io/MapPlace.h"
+#include "support/MapTransform.h"
 
 #include <gtest/gtest.h>
 
@@ -28,14 +29,7 @@ std::string wkt(const std::string& definition)
 /// Map coordinates of a place.
 std::pair<double, double> onMap(const std::string& definition, double longitude, double latitude)
 {
-    OGRSpatialReference crs, wgs84;
-    crs.SetFromUserInput(definition.c_str());
-    wgs84.SetWellKnownGeogCS("WGS84");
-    crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-    wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-    const std::unique_ptr<OGRCoordinateTransformation> transform(
-        OGRCreateCoordinateTransformation(&wgs84, &crs));
-    EXPECT_TRUE(transform->Transform(1, &longitude, &latitude));
+    EXPECT_TRUE(transformation("EPSG:4326", definition)->Transform(1, &longitude, &latitude));
     return {longitude, latitude};
 }
 } // namespace

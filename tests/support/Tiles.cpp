@@ -1,13 +1,16 @@
 #include "support/Tiles.h"
 
+#include "core/AzimuthSet.h"
 #include "core/MemorySource.h"
 #include "lighting/FarLight.h"
+#include "reference/ExhaustiveHorizon.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <random>
 
 namespace osgTerrainLight::testing
 {
@@ -172,6 +175,34 @@ double relativeRms(const std::vector<float>& a, const std::vector<float>& b)
         all += static_cast<double>(a[i]) * static_cast<double>(a[i]);
     }
     return 100.0 * std::sqrt(sum / all);
+}
+
+Differences errorsOf(const DemTile& tile, const std::vector<float>& horizons)
+{
+    constexpr int count = 32;
+    const AzimuthSet azimuths(count);
+    reference::HorizonOptions options;
+    options.highest = reference::highestPost(tile);
+    std::mt19937 random(20261128);
+    std::vector<float> exact, found;
+    for (int i = 0; i < 500;)
+    {
+        const auto post = static_cast<int>(random() % tile.postCount());
+        const int column = post % tile.width();
+        const int row = post / tile.width();
+        if (!tile.isValid(column, row))
+            continue;
+        ++i;
+        for (int k = 0; k < count; ++k)
+        {
+            const auto horizon =
+                reference::exhaustiveHorizon(tile, column, row, azimuths.direction(k), options);
+            exact.push_back(static_cast<float>(std::max(0.0, horizon.elevationDegrees())));
+            found.push_back(
+                horizons[static_cast<std::size_t>(post) * count + static_cast<std::size_t>(k)]);
+        }
+    }
+    return differencesOf(exact, found);
 }
 
 LightDifferences lightDifferences(osg::State& state, const DemTile& tile, const TileCase& lit,

@@ -1,5 +1,6 @@
 // --time and --place of shadow and shade, and sunhours.
 #include "ToolRun.h"
+#include "support/MapTransform.h"
 
 #include <osgTerrainLight/SunPosition.h>
 
@@ -171,13 +172,7 @@ TEST_F(SunByTime, PlaceComesFromTheRaster)
     writeRaster("utm.tif", 20, 10, std::vector<float>(200, 7.0f), {0, 10, 0, 0, 0, -10});
     placeRaster("utm.tif", "EPSG:32633");
     {
-        OGRSpatialReference wgs84, utm;
-        wgs84.SetWellKnownGeogCS("WGS84");
-        utm.importFromEPSG(32633);
-        wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-        utm.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-        const std::unique_ptr<OGRCoordinateTransformation> to(
-            OGRCreateCoordinateTransformation(&wgs84, &utm));
+        const auto to = transformation("EPSG:4326", "EPSG:32633");
         double x = 17.9, y = 47.0;
         ASSERT_TRUE(to->Transform(1, &x, &y));
         GDALDatasetUniquePtr dataset(

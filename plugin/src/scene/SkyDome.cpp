@@ -4,6 +4,7 @@
 #include "gpu/EnvironmentTexture.h"
 #include "gpu/GlConstants.h"
 #include "lighting/TileLight.h"
+#include "scene/DrawBeside.h"
 #include "scene/ShadingBinding.h"
 #include <osgTerrainLight/TerrainLighting.h>
 
@@ -11,7 +12,7 @@
 #include <osg/DisplaySettings>
 #include <osg/Geometry>
 #include <osg/Image>
-#include <osgUtil/CullVisitor>
+#include <osg/observer_ptr>
 
 #include <algorithm>
 #include <cmath>
@@ -53,15 +54,13 @@ Rgb sunOf(const SkyLight& sky)
     return TileLight::needsSun(sky) ? sunAtGround(sky) : Rgb{};
 }
 
-osg::ref_ptr<osg::Texture2D> pictureOf(const SkyLight& sky, const Rgb& albedo)
+/// Of a sky without environment.
+osg::ref_ptr<osg::Texture2D> createPicture()
 {
-    if (sky.environment)
-        return environmentTexture(sky.environment);
-    const Raster<Rgb> picture = skyPicture(sky, rows, albedo, sunOf(sky));
     osg::ref_ptr<osg::Image> image = new osg::Image;
-    image->allocateImage(picture.width(), picture.height(), 1, GL_RGB, GL_FLOAT);
-    std::memcpy(image->data(), picture.values().data(), picture.size() * sizeof(Rgb));
+    image->allocateImage(2 * rows, rows, 1, GL_RGB, GL_FLOAT);
     osg::ref_ptr<osg::Texture2D> texture = new osg::Texture2D(image);
+    texture->setDataVariance(osg::Object::DYNAMIC);
     texture->setInternalFormat(GL_RGB16F_ARB);
     texture->setFilter(osg::Texture::MIN_FILTER, osg::Texture::LINEAR);
     texture->setFilter(osg::Texture::MAG_FILTER, osg::Texture::LINEAR);
@@ -70,36 +69,7 @@ osg::ref_ptr<osg::Texture2D> pictureOf(const SkyLight& sky, const Rgb& albedo)
     return texture;
 }
 
-/// Draws the dome in the views of viewers, not in mirrors and shadow maps of their scenes.
-class DrawDome : public osg::NodeCallback
-{
-public:
-    explicit DrawDome(SkyDome* dome) : _dome(dome) {}
-    // Files name it as the stock callback, which does nothing.
-
-    void operator()(osg::Node* node, osg::NodeVisitor* visitor) override
-    {
-        osgUtil::CullVisitor* cull = visitor->asCullVisitor();
-        if (cull && cull->getCurrentCamera()->getView())
-            _dome->accept(*visitor);
-        traverse(node, visitor);
-    }
-    void resizeGLObjectBuffers(unsigned size) override
-    {
-        _dome->resizeGLObjectBuffers(size);
-        osg::resizeGLObjectBuffers(getNestedCallback(), size);
-    }
-    void releaseGLObjects(osg::State* state) const override
-    {
-        _dome->releaseGLObjects(state);
-        osg::releaseGLObjects(const_cast<osg::Callback*>(getNestedCallback()), state);
-    }
-
-private:
-    ~DrawDome() override = default;
-    osg::ref_ptr<SkyDome> _dome;
-};
-
+/// Of one lighting. A copy of that shares the callback, and takes over once it is gone.
 class FollowLight : public osg::NodeCallback
 {
 public:
@@ -108,13 +78,17 @@ public:
     void operator()(osg::Node* node, osg::NodeVisitor* visitor) override
     {
         traverse(node, visitor); // the light may change there
-        if (const auto* lighting = dynamic_cast<TerrainLighting*>(node))
+        auto* lighting = dynamic_cast<TerrainLighting*>(node);
+        if (!_lighting.valid())
+            _lighting = lighting;
+        if (lighting && _lighting == lighting)
             _dome->follow(*lighting);
     }
 
 private:
     ~FollowLight() override = default;
     osg::ref_ptr<SkyDome> _dome;
+    osg::observer_ptr<TerrainLighting> _lighting;
 };
 } // namespace
 
@@ -157,7 +131,19 @@ void SkyDome::show()
 {
     const SkyLight& sky = _sky;
     osg::StateSet& state = *getStateSet();
-    state.setTextureAttribute(0, pictureOf(sky, _albedo));
+    if (sky.environment)
+        state.setTextureAttribute(0, environmentTexture(sky.environment));
+    else
+    {
+        // Written again where it is, since the sky changes in every frame while a clock runs.
+        const Raster<Rgb> picture = skyPicture(sky, rows, _albedo, sunOf(sky));
+        if (!_picture)
+            _picture = createPicture();
+        osg::Image& image = *_picture->getImage();
+        std::memcpy(image.data(), picture.values().data(), picture.size() * sizeof(Rgb));
+        image.dirty();
+        state.setTextureAttribute(0, _picture);
+    }
     const auto direction = sky.sunDirection();
     const double radius = TileLight::needsSun(sky) ? sky.sunAngularRadius * pi / 180.0 : 0.0;
     const Rgb irradiance = sunOf(sky);
@@ -181,7 +167,7 @@ void addSkyDome(TerrainLighting& lighting)
     const osg::ref_ptr<SkyDome> dome = new SkyDome;
     dome->follow(lighting);
     lighting.addUpdateCallback(new FollowLight(dome));
-    lighting.addCullCallback(new DrawDome(dome));
+    lighting.addCullCallback(new DrawBeside(dome.get()));
 }
 
 } // namespace osgTerrainLight

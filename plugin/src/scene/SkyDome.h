@@ -3,6 +3,7 @@
 #include <osgTerrainLight/SkyLight.h>
 
 #include <osg/Geode>
+#include <osg/Texture2D>
 #include <osg/ref_ptr>
 
 namespace osgTerrainLight
@@ -27,6 +28,8 @@ private:
 
     void show();
 
+    osg::ref_ptr<osg::Texture2D>
+        _picture; ///< of skies without environment; null until there is one
     // What is drawn.
     SkyLight _sky;
     Rgb _albedo = {};

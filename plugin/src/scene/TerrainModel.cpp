@@ -2,7 +2,6 @@
 
 #include "io/CompositeDem.h"
 #include "io/MapPlace.h"
-#include "io/TileRaster.h"
 #include "scene/TerrainTileReader.h"
 #include <osgTerrainLight/Environment.h>
 
@@ -19,7 +18,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cctype>
 #include <cmath>
 #include <mutex>
 
@@ -108,46 +106,6 @@ std::string baseName(const std::string& path)
     return osgDB::getSimpleFileName(path);
 }
 
-osg::BoundingBoxd extentOf(const DemTile& tile)
-{
-    osg::BoundingBoxd box;
-    for (int row = 0; row < tile.height(); ++row)
-        for (int column = 0; column < tile.width(); ++column)
-            if (tile.isValid(column, row))
-                box.expandBy((column - 0.5 * (tile.width() - 1)) * tile.nominalEastSpacing(),
-                             (row - 0.5 * (tile.height() - 1)) * tile.northSpacing,
-                             tile.heightOrigin + static_cast<double>(tile.heightAt(column, row)));
-    return box;
-}
-
-/// C:/data/dem.tif
-bool namesDrive(const std::string& url)
-{
-    return url.size() > 2 && std::isalpha(static_cast<unsigned char>(url[0])) && url[1] == ':' &&
-           url[2] == '/';
-}
-
-std::string resolved(const std::string& url, const std::string& folder)
-{
-    const bool whole = osgDB::isAbsolutePath(url) || url.compare(0, 4, "/vsi") == 0;
-    return whole || folder.empty() ? url : osgDB::concatPaths(folder, url);
-}
-
-/// The path that GDAL reads the layer by. tiles: keeps what is made for that.
-Result<std::string> pathOf(const EarthLayer& layer, const std::string& folder,
-                           std::vector<TileRaster>& tiles)
-{
-    std::string path = resolved(layer.url, folder);
-    if (layer.driver != "tms" && layer.driver != "xyz")
-        return path;
-    const Result<TileRaster> raster =
-        layer.driver == "tms" ? TileRaster::ofTileMap(path)
-                              : TileRaster::ofPattern(path, layer.profile, layer.fromSouth);
-    if (!raster)
-        return raster.error();
-    tiles.push_back(*raster);
-    return raster->path();
-}
 } // namespace
 
 osg::ref_ptr<osg::Node> createTerrain(const DemTile& tile, const std::vector<ColourImage>& colours)
@@ -182,6 +140,24 @@ osg::ref_ptr<osg::Node> createTerrain(const DemTile& tile, const std::vector<Col
         new osg::MatrixTransform(osg::Matrix::translate(0.0, 0.0, tile.heightOrigin));
     placed->addChild(terrain);
     return placed;
+}
+
+std::string resolved(const std::string& url, const std::string& folder)
+{
+    const bool whole = osgDB::isAbsolutePath(url) || url.compare(0, 4, "/vsi") == 0;
+    return whole || folder.empty() ? url : osgDB::concatPaths(folder, url);
+}
+
+osg::BoundingBoxd extentOf(const DemTile& tile)
+{
+    osg::BoundingBoxd box;
+    for (int row = 0; row < tile.height(); ++row)
+        for (int column = 0; column < tile.width(); ++column)
+            if (tile.isValid(column, row))
+                box.expandBy((column - 0.5 * (tile.width() - 1)) * tile.nominalEastSpacing(),
+                             (row - 0.5 * (tile.height() - 1)) * tile.northSpacing,
+                             tile.heightOrigin + static_cast<double>(tile.heightAt(column, row)));
+    return box;
 }
 
 osg::ref_ptr<TerrainLighting> createLighting(const LightParameters& light,
@@ -244,95 +220,6 @@ Result<TerrainModel> loadRaster(const std::string& path, const DemReadOptions& r
         return Error{set.error().code, path + ": " + set.error().message};
     for (const std::string& note : file->notes)
         model.notes.push_back(path + ": " + note);
-    return model;
-}
-
-Result<TerrainModel> loadMap(const EarthMap& map, const std::string& folder,
-                             const std::string& source)
-{
-    TerrainModel model;
-    model.node = createLighting(map.light, folder, model.warnings);
-    model.node->setName(map.name);
-    model.warnings.insert(model.warnings.end(), map.warnings.begin(), map.warnings.end());
-    model.notes = map.notes;
-    std::string leftOut = map.leftOut;
-    bool isMissing = true; // whatever was left out here
-    const auto leaveOut = [&](const EarthLayer& layer, const Error& reason)
-    {
-        const std::string line = std::to_string(layer.line);
-        const std::string why =
-            reason.message + (reason.code == ErrorCode::NotFound && namesDrive(layer.url)
-                                  ? "; the path names a drive of Windows, and a path relative to "
-                                    "the map is found on every computer"
-                                  : "");
-        model.warnings.push_back(source + ":" + line + ": left out " + layer.what + ": " + why);
-        leftOut += (leftOut.empty() ? "" : ", ") + layer.what + " (line " + line + ": " + why + ")";
-        isMissing = isMissing && reason.code == ErrorCode::NotFound;
-    };
-
-    std::vector<TileRaster> tiles;
-    std::vector<DemLayer> dems;
-    std::vector<const EarthLayer*> layersOfDems;
-    for (const EarthLayer& layer : map.elevations)
-        if (const Result<std::string> path = pathOf(layer, folder, tiles))
-        {
-            dems.push_back({*path, layer.read});
-            layersOfDems.push_back(&layer);
-        }
-        else
-            leaveOut(layer, path.error());
-    CompositeDem composite = readComposite(dems, mostDrawnPosts);
-    for (const auto& [number, reason] : composite.leftOut)
-        leaveOut(*layersOfDems[number], reason);
-    model.notes.insert(model.notes.end(), composite.notes.begin(), composite.notes.end());
-    std::optional<DemTile> tile = std::move(composite.tile);
-    std::vector<ColourImage> colours;
-    for (const EarthLayer& layer : map.images)
-    {
-        const Result<std::string> path = pathOf(layer, folder, tiles);
-        if (!path)
-        {
-            leaveOut(layer, path.error());
-            continue;
-        }
-        if (!tile)
-        {
-            const Result<DemTile> level = levelTileUnder(*path);
-            if (level)
-            {
-                tile = *level;
-                model.notes.push_back(source + ": no elevation, so the terrain is level");
-            }
-            else
-            {
-                leaveOut(layer, level.error());
-                continue;
-            }
-        }
-        Result<ColourImage> colour = readColour(*path, *tile);
-        if (!colour)
-        {
-            leaveOut(layer, colour.error());
-            continue;
-        }
-        for (std::size_t alpha = 3; alpha < colour->pixels.size(); alpha += 4)
-            colour->pixels[alpha] =
-                static_cast<std::uint8_t>(std::lround(layer.opacity * colour->pixels[alpha]));
-        colours.push_back(std::move(*colour));
-    }
-    if (tile)
-    {
-        osg::ref_ptr<osg::Node> terrain = createTerrain(*tile, colours);
-        terrain->setName(map.name);
-        model.node->addChild(terrain);
-        model.terrain = extentOf(*tile);
-    }
-    else if (!isMissing)
-        return Error{ErrorCode::Invalid, source + ": no layer could be read, left out: " + leftOut};
-    else
-        model.warnings.push_back(source + ": no layer could be read; the map is empty");
-    if (const Status set = setTimeAndPlace(*model.node, map.light, tile); !set)
-        model.warnings.push_back(source + ": " + set.error().message);
     return model;
 }
 

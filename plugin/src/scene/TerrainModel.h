@@ -33,6 +33,12 @@ constexpr int mostDrawnPosts = 2048;
 osg::ref_ptr<osg::Node> createTerrain(const DemTile& tile,
                                       const std::vector<ColourImage>& colours = {});
 
+/// Of the valid posts of a tile, as createTerrain() places them [m].
+osg::BoundingBoxd extentOf(const DemTile& tile);
+
+/// A path or URL as it stands in a map, relative to the map's folder, as GDAL and OSG take it.
+std::string resolved(const std::string& url, const std::string& folder);
+
 /// A node with the light that people asked for, without terrain. folder: what the relative name of
 /// a sky's file starts from. A sky that cannot be read is left out, with a warning.
 osg::ref_ptr<TerrainLighting> createLighting(const LightParameters& light,

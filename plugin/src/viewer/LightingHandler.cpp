@@ -1,5 +1,6 @@
 #include <osgTerrainLight/LightingHandler.h>
 
+#include "scene/DrawBeside.h"
 #include "viewer/ClockDisplay.h"
 
 #include <osgTerrainLight/Environment.h>
@@ -9,7 +10,6 @@
 #include <osg/DisplaySettings>
 #include <osg/observer_ptr>
 #include <osgGA/GUIActionAdapter>
-#include <osgUtil/CullVisitor>
 
 #include <algorithm>
 #include <chrono>
@@ -97,39 +97,6 @@ void raiseSun(SkyLight& sky, double degrees)
     if (!sky.environment)
         sky.sunElevation = std::clamp(sky.sunElevation + degrees, -90.0, 90.0);
 }
-
-/// Draws the clock with the lighting that it is a cull callback of: in a viewer's window, not in
-/// mirrors and shadow maps of its scene.
-class ClockCallback : public osg::NodeCallback
-{
-public:
-    explicit ClockCallback(ClockDisplay* clock) : _clock(clock) {}
-    // Files name it as the stock callback, which does nothing.
-
-    ClockDisplay& clock() const { return *_clock; }
-
-    void operator()(osg::Node* node, osg::NodeVisitor* visitor) override
-    {
-        traverse(node, visitor);
-        osgUtil::CullVisitor* cull = visitor->asCullVisitor();
-        if (cull && cull->getCurrentCamera()->getView())
-            _clock->accept(*visitor);
-    }
-    void resizeGLObjectBuffers(unsigned size) override
-    {
-        _clock->resizeGLObjectBuffers(size);
-        osg::resizeGLObjectBuffers(getNestedCallback(), size);
-    }
-    void releaseGLObjects(osg::State* state) const override
-    {
-        _clock->releaseGLObjects(state);
-        osg::releaseGLObjects(const_cast<osg::Callback*>(getNestedCallback()), state);
-    }
-
-private:
-    ~ClockCallback() override = default;
-    osg::ref_ptr<ClockDisplay> _clock;
-};
 } // namespace
 
 /// What the keys do to one lighting.
@@ -146,7 +113,7 @@ struct LightingHandler::Implementation
 
     osg::observer_ptr<TerrainLighting> given;
     osg::observer_ptr<TerrainLighting> shown; ///< that draws the clock
-    osg::ref_ptr<ClockCallback> callback;
+    osg::ref_ptr<DrawBeside<ClockDisplay>> callback;
     bool running = false;
     double speed = 600.0;   ///< seconds of the day per second
     double lastFrame = 0.0; ///< while it runs [s]
@@ -190,7 +157,7 @@ LightingHandler::Implementation::~Implementation()
     if (shown.lock(lighting))
         lighting->removeCullCallback(callback);
     if (callback)
-        callback->clock().show(""); // copies of the lighting share the callback
+        callback->drawn().show(""); // copies of the lighting share the callback
 }
 
 bool LightingHandler::Implementation::handle(const osgGA::GUIEventAdapter& event,
@@ -293,7 +260,7 @@ void LightingHandler::Implementation::show(TerrainLighting& lighting, const std:
     if (!callback && text.empty())
         return;
     if (!callback)
-        callback = new ClockCallback(new ClockDisplay);
+        callback = new DrawBeside(new ClockDisplay);
     if (!shown.valid())
     {
         // Contexts that exist already draw it from threads of their own.
@@ -302,7 +269,7 @@ void LightingHandler::Implementation::show(TerrainLighting& lighting, const std:
         lighting.addCullCallback(callback);
         shown = &lighting;
     }
-    callback->clock().show(text);
+    callback->drawn().show(text);
 }
 
 } // namespace osgTerrainLight

@@ -1,0 +1,149 @@
+#include "scene/TerrainModel.h"
+
+#include "io/CompositeDem.h"
+#include "io/TileRaster.h"
+
+#include <cctype>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+/// C:/data/dem.tif
+bool namesDrive(const std::string& url)
+{
+    return url.size() > 2 && std::isalpha(static_cast<unsigned char>(url[0])) && url[1] == ':' &&
+           url[2] == '/';
+}
+
+/// Makes the scene of a map, layer by layer.
+class MapLoader
+{
+public:
+    MapLoader(const EarthMap& map, const std::string& folder, const std::string& source)
+        : _map(map), _folder(folder), _source(source), _leftOut(map.leftOut)
+    {
+        _model.node = createLighting(map.light, folder, _model.warnings);
+        _model.node->setName(map.name);
+        _model.warnings.insert(_model.warnings.end(), map.warnings.begin(), map.warnings.end());
+        _model.notes = map.notes;
+    }
+
+    Result<TerrainModel> load()
+    {
+        readElevations();
+        for (const EarthLayer& layer : _map.images)
+            if (const Status drawn = readImage(layer); !drawn)
+                leaveOut(layer, drawn.error());
+        if (_tile)
+        {
+            osg::ref_ptr<osg::Node> terrain = createTerrain(*_tile, _colours);
+            terrain->setName(_map.name);
+            _model.node->addChild(terrain);
+            _model.terrain = extentOf(*_tile);
+        }
+        else if (!_isMissing)
+            return Error{ErrorCode::Invalid,
+                         _source + ": no layer could be read, left out: " + _leftOut};
+        else
+            _model.warnings.push_back(_source + ": no layer could be read; the map is empty");
+        if (const Status set = setTimeAndPlace(*_model.node, _map.light, _tile); !set)
+            _model.warnings.push_back(_source + ": " + set.error().message);
+        return _model;
+    }
+
+private:
+    void leaveOut(const EarthLayer& layer, const Error& reason)
+    {
+        const std::string line = std::to_string(layer.line);
+        const std::string why =
+            reason.message + (reason.code == ErrorCode::NotFound && namesDrive(layer.url)
+                                  ? "; the path names a drive of Windows, and a path relative to "
+                                    "the map is found on every computer"
+                                  : "");
+        _model.warnings.push_back(_source + ":" + line + ": left out " + layer.what + ": " + why);
+        _leftOut +=
+            (_leftOut.empty() ? "" : ", ") + layer.what + " (line " + line + ": " + why + ")";
+        _isMissing = _isMissing && reason.code == ErrorCode::NotFound;
+    }
+
+    /// The path that GDAL reads the layer by.
+    Result<std::string> pathOf(const EarthLayer& layer)
+    {
+        std::string path = resolved(layer.url, _folder);
+        if (layer.driver != "tms" && layer.driver != "xyz")
+            return path;
+        const Result<TileRaster> raster =
+            layer.driver == "tms" ? TileRaster::ofTileMap(path)
+                                  : TileRaster::ofPattern(path, layer.profile, layer.fromSouth);
+        if (!raster)
+            return raster.error();
+        _tiles.push_back(*raster);
+        return raster->path();
+    }
+
+    void readElevations()
+    {
+        std::vector<DemLayer> dems;
+        std::vector<const EarthLayer*> layers;
+        for (const EarthLayer& layer : _map.elevations)
+            if (const Result<std::string> path = pathOf(layer))
+            {
+                dems.push_back({*path, layer.read});
+                layers.push_back(&layer);
+            }
+            else
+                leaveOut(layer, path.error());
+        CompositeDem composite = readComposite(dems, mostDrawnPosts);
+        for (const auto& [number, reason] : composite.leftOut)
+            leaveOut(*layers[number], reason);
+        _model.notes.insert(_model.notes.end(), composite.notes.begin(), composite.notes.end());
+        _tile = std::move(composite.tile);
+    }
+
+    /// Over those before; where there is no elevation, the first one gives the terrain's extent.
+    Status readImage(const EarthLayer& layer)
+    {
+        const Result<std::string> path = pathOf(layer);
+        if (!path)
+            return path.error();
+        if (!_tile)
+        {
+            const Result<DemTile> level = levelTileUnder(*path);
+            if (!level)
+                return level.error();
+            _tile = *level;
+            _model.notes.push_back(_source + ": no elevation, so the terrain is level");
+        }
+        Result<ColourImage> colour = readColour(*path, *_tile);
+        if (!colour)
+            return colour.error();
+        for (std::size_t alpha = 3; alpha < colour->pixels.size(); alpha += 4)
+            colour->pixels[alpha] =
+                static_cast<std::uint8_t>(std::lround(layer.opacity * colour->pixels[alpha]));
+        _colours.push_back(std::move(*colour));
+        return Nothing{};
+    }
+
+    const EarthMap& _map;
+    const std::string _folder, _source;
+    TerrainModel _model;
+    std::string _leftOut;
+    bool _isMissing = true;         ///< whatever was left out here
+    std::vector<TileRaster> _tiles; ///< read as long as they are kept
+    std::optional<DemTile> _tile;
+    std::vector<ColourImage> _colours;
+};
+} // namespace
+
+Result<TerrainModel> loadMap(const EarthMap& map, const std::string& folder,
+                             const std::string& source)
+{
+    return MapLoader(map, folder, source).load();
+}
+
+} // namespace osgTerrainLight
