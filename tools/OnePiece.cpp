@@ -162,8 +162,8 @@ Status read(LitTile& lit, const RasterOptions& options, const Setup& setup, Prog
         Result<std::unique_ptr<RasterSource>> terrain = openTerrain(options, fraction);
         if (!terrain)
             return terrain.error();
-        Result<std::shared_ptr<const TileWindows>> tile =
-            readWindows(**terrain, 0, {0, 0, info.window.width, info.window.height});
+        Result<std::shared_ptr<const TileWindows>> tile = readWindows(
+            **terrain, 0, {0, 0, info.window.width, info.window.height}, setup.settings.quality);
         if (!tile)
             return tile.error();
         lit.terrain = *tile;

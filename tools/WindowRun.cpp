@@ -239,7 +239,8 @@ private:
         LitTile lit = tileFor(_options, _setup, _gpu);
         lit.isAlone = false;
         Result<std::shared_ptr<const TileWindows>> terrain =
-            readWindows(*_terrain, 0, litAround(index));
+            readWindows(*_terrain, 0, litAround(index),
+                        _choice ? _choice->settings.quality : _setup.settings.quality);
         if (!terrain)
             return terrain.error();
         lit.terrain = *terrain;

@@ -99,12 +99,11 @@ double runBytes(int width, int height, const LightingSettings& settings, int ban
 {
     const double posts = double(width) * height;
     // A ring of the tile's own posts, and coarser levels: in memory, and as a texture.
-    const double terrain =
-        20.0 * double(width + 2 * WindowScheme().ring) * (height + 2 * WindowScheme().ring);
+    const int ring = WindowScheme::of(settings.quality).ring;
+    const double terrain = 20.0 * double(width + 2 * ring) * (height + 2 * ring);
     // What coarser levels send: in memory, in floats, and as a texture. They have about as many
     // posts as half of the tile's and its ring's.
-    const double far = settings.bounces * 20.0 * 0.5 * double(width + 2 * WindowScheme().ring) *
-                       (height + 2 * WindowScheme().ring);
+    const double far = settings.bounces * 0.5 * terrain;
     // An albedo raster, in memory and as a texture.
     const double albedo = settings.bounces > 0 ? 20.0 * posts : 0.0;
     // Heights and validity; light or a map and a band of it as they are read back and written.

@@ -181,7 +181,7 @@ TEST(MapLayers, GeoPackageAndMbTiles)
     };
     if (!copied("earth_files/data/cone.tif", "GPKG", "cone.gpkg") ||
         !copied("samples/data/jacksboro_colour.tif", "MBTILES", "colour.mbtiles"))
-        GTEST_SKIP() << "this GDAL writes no GeoPackage or MBTiles";
+        GTEST_SKIP() << "skipped: this GDAL writes no GeoPackage or MBTiles (built without SQLite)";
     const Result<EarthMap> map = parseEarth(
         "<map><GDALElevation url='cone.gpkg'/><MBTilesImage filename='colour.mbtiles'/></map>",
         "m.earth");

@@ -107,14 +107,13 @@ std::vector<float> inOnePiece(osg::State& state, const DemTile& tile, const Tile
 }
 
 std::vector<float> inTiles(osg::State& state, const DemTile& tile, const TileCase& lit, int side,
-                           const ReadTile& read, const WindowScheme& scheme)
+                           const ReadTile& read)
 {
     MemorySource source(tile);
     MemoryRadiance radiance;
     FarLighting far;
     far.settings = lit.settings;
     far.sky = lit.sky;
-    far.scheme = scheme;
     EXPECT_TRUE(lightLevels(state, source, far, radiance));
     const int margin = lit.settings.bounces > 0 ? bounceMargin : 0;
     std::vector<float> all;
@@ -126,7 +125,7 @@ std::vector<float> inTiles(osg::State& state, const DemTile& tile, const TileCas
         place.width = tile.width() * (tileIndex % side + 1) / side - place.column;
         place.height = tile.height() * (tileIndex / side + 1) / side - place.row;
         const PostRect grown = place.grownBy(margin).clippedTo(source.extent(0));
-        const auto windows = readWindows(source, 0, grown, scheme);
+        const auto windows = readWindows(source, 0, grown, lit.settings.quality);
         EXPECT_TRUE(windows);
         const osg::ref_ptr<TileLight> light = new TileLight(*windows, lit.settings, lit.sky);
         if (margin > 0)

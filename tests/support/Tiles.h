@@ -37,7 +37,7 @@ std::vector<float> inOnePiece(osg::State& state, const DemTile& tile, const Tile
                               const ReadTile& read);
 /// side × side tiles; the values of all, as of one tile.
 std::vector<float> inTiles(osg::State& state, const DemTile& tile, const TileCase& lit, int side,
-                           const ReadTile& read, const WindowScheme& scheme = {});
+                           const ReadTile& read);
 
 struct Differences
 {

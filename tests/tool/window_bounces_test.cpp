@@ -55,8 +55,9 @@ TEST_F(WindowBounces, OfAPartAreThoseOfTheWhole)
     EXPECT_LE(differenceFromPart("part.tif", 150, 130), 5e-3);
 }
 
-// A wall that only coarse levels around a part show, where what is lit with the part sees them. Its
-// face is known to a coarse cell, 4 of some 330 posts, and its edges to one: within 10 %.
+// A wall that only coarse levels around a part show, where what is lit with the part sees them. The
+// posts at its foot and its top have normals between the wall's and the plain's, so its light is
+// known to some percent; what was never lit would miss all of it.
 TEST_F(WindowBounces, OfAPartComeFromAsFarAsItSees)
 {
     constexpr int width = 540, height = 240, part = 100;

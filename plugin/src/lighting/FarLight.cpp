@@ -65,7 +65,7 @@ public:
         const PostRect lit = _settings.bounces > 0
                                  ? tile.grownBy(bounceMargin).clippedTo(_source.extent(_level))
                                  : tile;
-        const auto windows = readWindows(_source, _level, lit, _lighting.scheme);
+        const auto windows = readWindows(_source, _level, lit, _settings.quality);
         if (!windows)
             return windows.error();
         Raster<Rgb> albedo(lit.width, lit.height, _settings.albedo);
@@ -156,7 +156,8 @@ Status lightLevels(osg::State& state, TileSource& source, const FarLighting& lig
     double all = 0.0;
     for (int level = 0; level < source.lastLevel(); ++level)
     {
-        parts.push_back(seenOfNext(source, level, parts.back(), lighting.scheme));
+        parts.push_back(
+            seenOfNext(source, level, parts.back(), WindowScheme::of(lighting.settings.quality)));
         all += static_cast<double>(parts.back().width) * parts.back().height;
     }
     double done = 0.0;

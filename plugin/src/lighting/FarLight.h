@@ -63,7 +63,6 @@ struct FarLighting
 {
     LightingSettings settings; ///< of the tiles
     SkyLight sky;
-    WindowScheme scheme;
     int side = 1024; ///< of tiles, posts
     /// Of posts of a level; null: the settings'.
     std::function<Result<Raster<Rgb>>(int level, const PostRect& posts)> albedo;

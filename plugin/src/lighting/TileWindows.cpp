@@ -55,9 +55,17 @@ DemTile tileOf(const TileSource& source, int level, const TileWindows& windows)
 
 } // namespace
 
-Result<std::shared_ptr<const TileWindows>>
-readWindows(TileSource& source, int level, const PostRect& tile, const WindowScheme& scheme)
+WindowScheme WindowScheme::of(HorizonQuality quality)
 {
+    if (quality == HorizonQuality::Best)
+        return {256, 128};
+    return {};
+}
+
+Result<std::shared_ptr<const TileWindows>> readWindows(TileSource& source, int level,
+                                                       const PostRect& tile, HorizonQuality quality)
+{
+    const WindowScheme scheme = WindowScheme::of(quality);
     assert(!tile.empty() && level >= 0 && level <= source.lastLevel());
     auto windows = std::make_shared<TileWindows>();
     const PostRect extent = source.extent(level);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <osgTerrainLight/DemTile.h>
+#include <osgTerrainLight/LightingSettings.h>
 
 #include "core/Raster.h"
 #include "core/TileSource.h"
@@ -17,6 +18,9 @@ struct WindowScheme
 {
     int ring = 128;   ///< around the tile, of its own level, 64 … 1024
     int farRing = 64; ///< that each coarser level adds around the one before, 16 … 1024
+
+    /// What a quality needs so that coarse ground does not spoil it.
+    static WindowScheme of(HorizonQuality quality);
 };
 
 /// A coarser level around a tile.
@@ -47,6 +51,6 @@ struct TileWindows
 
 /// Reads a tile of a level's posts: level 0's are the terrain itself. Fails where the source does.
 Result<std::shared_ptr<const TileWindows>>
-readWindows(TileSource& source, int level, const PostRect& tile, const WindowScheme& scheme = {});
+readWindows(TileSource& source, int level, const PostRect& tile, HorizonQuality quality);
 
 } // namespace osgTerrainLight
