@@ -17,8 +17,8 @@ Raster<float> bandOf(const HorizonMap& map, int azimuth, const TileWindows& terr
 {
     const DemTile& tile = terrain.tile;
     const PostRect& place = terrain.place;
-    const double middleColumn = 0.5 * terrain.lastColumn - place.column;
-    const double middleRow = 0.5 * terrain.lastRow - place.row;
+    const double middleColumn = terrain.middleColumn - place.column;
+    const double middleRow = terrain.middleRow - place.row;
     constexpr double degreesPerRadian = 180.0 / 3.14159265358979323846;
     const MapDirection direction = AzimuthSet(map.azimuthCount()).direction(azimuth);
     Raster<float> values(map.width(), map.height(), std::numeric_limits<float>::quiet_NaN());

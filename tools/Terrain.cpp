@@ -32,6 +32,8 @@ std::shared_ptr<const TileWindows> aloneOf(DemTile tile)
     windows->place = windows->near = {0, 0, tile.width(), tile.height()};
     windows->lastColumn = tile.width() - 1;
     windows->lastRow = tile.height() - 1;
+    windows->middleColumn = 0.5 * windows->lastColumn;
+    windows->middleRow = 0.5 * windows->lastRow;
     windows->tile = std::move(tile);
     return windows;
 }

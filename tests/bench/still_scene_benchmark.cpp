@@ -3,7 +3,7 @@
 // viewer's statistics.
 #include <osgTerrainLight/TerrainLighting.h>
 
-#include "scene/TerrainModel.h"
+#include "terrain/TerrainModel.h"
 #include <osgTerrainLight/HeadlessContext.h>
 
 #include <osg/MatrixTransform>

@@ -1,5 +1,5 @@
 #include "io/EarthFile.h"
-#include "scene/TerrainModel.h"
+#include "terrain/TerrainModel.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 #include "io/DemReader.h"
 #include "io/EarthFile.h"
 #include "io/MapReader.h"
-#include "scene/TerrainModel.h"
+#include "terrain/TerrainModel.h"
 #include "scene/TerrainTileReader.h"
 #include "support/MapTransform.h"
 #include "support/TestFolder.h"

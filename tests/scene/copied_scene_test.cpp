@@ -1,7 +1,7 @@
 // Copies of a lit scene, drawn beside and without the original.
 #include <osgTerrainLight/TerrainLighting.h>
 
-#include "scene/TerrainModel.h"
+#include "terrain/TerrainModel.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"

@@ -3,7 +3,7 @@
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include "io/EarthFile.h"
-#include "scene/TerrainModel.h"
+#include "terrain/TerrainModel.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"

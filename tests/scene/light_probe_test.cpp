@@ -2,7 +2,7 @@
 #include <osgTerrainLight/LightProbe.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
-#include "scene/TerrainModel.h"
+#include "terrain/TerrainModel.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"

@@ -4,7 +4,7 @@
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include "io/ExrFile.h"
-#include "scene/TerrainModel.h"
+#include "terrain/TerrainModel.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"

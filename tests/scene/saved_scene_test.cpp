@@ -1,6 +1,6 @@
 // Scenes in files: those that were written before properties had names (data/former), and files
 // with other properties than this version has.
-#include "scene/TerrainModel.h"
+#include "terrain/TerrainModel.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"

@@ -3,7 +3,7 @@
 
 #include "gpu/Textures.h"
 #include "scene/ShadingBinding.h"
-#include "scene/TerrainModel.h"
+#include "terrain/TerrainModel.h"
 #include "scene/TerrainTileReader.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"

@@ -5,7 +5,7 @@
 #include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
-#include "scene/TerrainModel.h"
+#include "terrain/TerrainModel.h"
 #include "support/AnalyticTerrain.h"
 
 #include <osgTerrain/TerrainTile>

@@ -13,6 +13,7 @@ enum class ErrorCode
     NotFound,     ///< the file or layer does not exist
     NotSupported, ///< it exists, but is not of a kind this library handles
     Invalid,      ///< it is of a handled kind, but its content cannot be used
+    Elsewhere,    ///< it can be used, but lies beside what was asked for
     Failed        ///< reading, writing or the graphics library failed
 };
 

@@ -28,6 +28,10 @@ public:
     virtual int width() const = 0;
     virtual int height() const = 0;
 
+    /// The same posts, or fewer where the source has void ones around them for round sizes: the
+    /// middle of these is that of the terrain.
+    virtual PostRect terrain() const { return {0, 0, width(), height()}; }
+
     /// The coarsest level, ≥ 0.
     virtual int lastLevel() const = 0;
     /// All posts of a level that may be valid; those of terrain beyond what is lit too.
@@ -44,6 +48,9 @@ public:
     virtual Result<Raster<float>> readPosts(const PostRect& posts) = 0;
     /// The same of a level, 1 … lastLevel().
     virtual Result<Raster<float>> readLevel(int level, CrestAxis axis, const PostRect& posts) = 0;
+    /// The same of a level as a surface of its own, whose crests are along no axis: by default the
+    /// mean of both.
+    virtual Result<Raster<float>> readSurface(int level, const PostRect& posts);
 };
 
 } // namespace osgTerrainLight

@@ -165,7 +165,7 @@ Result<ColourImage> readColour(const std::string& path, const DemTile& tile, int
     for (std::size_t i = 0; i < count && !seen; ++i)
         seen = image.pixels[4 * i + 3] != 0;
     if (!seen)
-        return Error{ErrorCode::Invalid, path + ": does not overlap the terrain"};
+        return Error{ErrorCode::Elsewhere, path + ": does not overlap the terrain"};
     return image;
 }
 

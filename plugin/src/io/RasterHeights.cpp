@@ -48,6 +48,8 @@ Result<std::unique_ptr<RasterHeights>> RasterHeights::open(const std::string& pa
     while (!extent.empty() && made->isBeyondPole(extent.endRow() - 1))
         --extent.height;
     made->_reader = std::make_unique<HeightReader<double>>(made->_dem);
+    made->_surveyed = made->_reader.get();
+    made->openOverviews();
     return made;
 }
 
@@ -163,6 +165,111 @@ Result<Raster<float>> RasterHeights::read(const PostRect& posts)
     for (int row = inside.row; row < inside.endRow(); ++row)
         convert(stored.data(), inside, row,
                 &result.at(inside.column - posts.column, row - posts.row), beyond, all);
+    return result;
+}
+
+/// Those of powers of 2.
+void RasterHeights::openOverviews()
+{
+    const int width = _reader->width();
+    const int height = _reader->height();
+    const int longest = std::max(width, height);
+    for (int level = 1; (longest >> level) > 1; ++level)
+    {
+        auto reader = std::make_unique<HeightReader<double>>(_dem);
+        const auto isLevelOf = [level](int coarse, int fine)
+        { return coarse == fine >> level || coarse == ((fine - 1) >> level) + 1; };
+        if (reader->useOverview(longest >> level) && isLevelOf(reader->width(), width) &&
+            isLevelOf(reader->height(), height))
+            _overviews.push_back({level, std::move(reader)});
+    }
+}
+
+int RasterHeights::overviewLevels() const
+{
+    return _overviews.empty() ? 0 : _overviews.back().level;
+}
+
+std::pair<int, HeightReader<double>*> RasterHeights::overviewFor(int level)
+{
+    std::pair<int, HeightReader<double>*> best = {0, _reader.get()};
+    for (const Overview& overview : _overviews)
+        if (overview.level <= level)
+            best = {overview.level, overview.reader.get()};
+    return best;
+}
+
+Result<HeightRules> RasterHeights::surveyEvery(int level)
+{
+    GdalErrors errors;
+    const auto [at, reader] = overviewFor(level);
+    _surveyed = reader;
+    const int step = 1 << (level - at);
+    PixelWindow strip{0, 0, reader->width(), 1};
+    if (step == 1)
+        strip.height = reader->stripRows(strip);
+    std::vector<double> values(static_cast<std::size_t>(strip.width) *
+                               static_cast<std::size_t>(strip.height));
+    for (; strip.row < reader->height(); strip.row += step > 1 ? step : strip.height)
+    {
+        strip.height = std::min(strip.height, reader->height() - strip.row);
+        if (!reader->read(strip, values.data(), true))
+            return reader->unreadable(_path, strip, errors);
+    }
+    Result<HeightRules> rules =
+        reader->rules(_path, {0, 0, info().window.width, info().window.height});
+    if (!rules)
+        return rules;
+    _seen = rangeOf(*rules);
+    // Heights that were not seen may be any that readDem() takes.
+    const double unit = rules->kilometres ? 1.0e-3 : 1.0;
+    rules->lowest = rules->radius > 0.0 ? 0.5 * rules->radius * unit : -double(greatestHeight);
+    rules->highest = rules->radius > 0.0 ? 1.5 * rules->radius * unit : double(greatestHeight);
+    return rules;
+}
+
+Result<Raster<float>> RasterHeights::readEvery(int level, int column, int row, int width,
+                                               int height)
+{
+    Raster<float> result(width, height, missing);
+    const RasterFrame& frame = info().frame;
+    const auto [at, reader] = overviewFor(level);
+    const int step = 1 << level;
+    // Posts of the result that the raster has.
+    const auto firstInside = [step](int from, int begin)
+    { return from >= begin ? 0 : (begin - from + step - 1) / step; };
+    const auto endInside = [step](int from, int count, int end)
+    { return from >= end ? 0 : std::min(count, (end - 1 - from) / step + 1); };
+    const int beginX = firstInside(column, _extent.column);
+    const int endX = endInside(column, width, _extent.endColumn());
+    const int beginY = firstInside(row, _extent.row);
+    const int endY = endInside(row, height, _extent.endRow());
+    if (beginX >= endX || beginY >= endY)
+        return result;
+    GdalErrors errors;
+    const auto pixelOf = [&](int post) { return frame.fileColumn(column + post * step) >> at; };
+    const int left = std::min(pixelOf(beginX), pixelOf(endX - 1));
+    const int right = std::min(std::max(pixelOf(beginX), pixelOf(endX - 1)), reader->width() - 1);
+    std::vector<double> stored(static_cast<std::size_t>(right - left + 1));
+    for (int y = beginY; y < endY; ++y)
+    {
+        const PixelWindow line{left, frame.fileRow(row + y * step) >> at, right - left + 1, 1};
+        if (line.row >= reader->height())
+            continue;
+        if (!reader->read(line, stored.data(), false))
+            return reader->unreadable(_path, line, errors);
+        for (int x = beginX; x < endX; ++x)
+        {
+            const int pixel = pixelOf(x);
+            if (pixel > right)
+                continue;
+            const double metres =
+                _rules.metresOf(stored[static_cast<std::size_t>(pixel - left)], info());
+            if (!std::isnan(metres))
+                result.at(x, y) = placed(_rules.heightOf(metres) * _heightFactor,
+                                         column + x * step, row + y * step);
+        }
+    }
     return result;
 }
 

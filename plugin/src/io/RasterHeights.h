@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace osgTerrainLight
@@ -42,7 +43,7 @@ public:
     /// Reads all posts, to know what they say together. progress: 0 … 1; false cancels.
     Result<HeightRules> survey(const std::function<bool(double)>& progress);
     /// What the survey assumed.
-    std::vector<std::string> surveyNotes() const { return _reader->notes(); }
+    std::vector<std::string> surveyNotes() const { return _surveyed->notes(); }
     /// What rules say of all heights, as lowest and highest [m].
     std::pair<double, double> rangeOf(const HeightRules& rules) const;
     /// To be called before heights are read: those are above the origin [m].
@@ -55,6 +56,20 @@ public:
 
     /// NaN where void or beyond extent().
     Result<Raster<float>> read(const PostRect& posts);
+
+    // For rasters that are too large to be read whole. Preconditions: no part of the raster was
+    // asked for, and posts of a level are multiples of 2^level in the file's order: those that
+    // overviews by the nearest pixel hold.
+
+    /// The power of 2 of the coarsest overview; 0 where there is none.
+    int overviewLevels() const;
+    /// As survey(), of one of every 2^level posts only, from overviews where there are some. Of
+    /// heights it knows which are impossible, not which is the highest.
+    Result<HeightRules> surveyEvery(int level);
+    /// Lowest and highest of the heights that it has seen [m].
+    std::pair<double, double> seenRange() const { return _seen; }
+    /// Posts (column + i · 2^level, row + j · 2^level): NaN where void or beyond extent().
+    Result<Raster<float>> readEvery(int level, int column, int row, int width, int height);
     /// Every row of extent(), from the south; take is false where it cannot go on. beyond: counts
     /// posts that no tile can hold, all: those that are valid but for that.
     std::optional<Error> eachRow(const std::function<bool(double)>& progress,
@@ -66,6 +81,14 @@ private:
     PixelWindow pixelsOf(const PostRect& posts) const;
     PostRect postsOf(const PixelWindow& pixels) const;
     /// Of posts whose stored values were read, a row of them.
+    struct Overview
+    {
+        int level;
+        std::unique_ptr<HeightReader<double>> reader;
+    };
+    void openOverviews();
+    /// The coarsest whose posts are no further apart than 2^level; level 0 is the raster.
+    std::pair<int, HeightReader<double>*> overviewFor(int level);
     void convert(const double* stored, const PostRect& posts, int row, float* heights,
                  std::size_t& beyond, std::size_t& all) const;
 
@@ -75,7 +98,10 @@ private:
     std::optional<DegreeRows> _degrees;
     PostRect _extent;
     std::unique_ptr<HeightReader<double>> _reader;
+    std::vector<Overview> _overviews; ///< finest first
+    const HeightReader<double>* _surveyed = nullptr; ///< which survey() or surveyEvery() used
     HeightRules _rules;
+    std::pair<double, double> _seen;
     double _origin = 0.0;
 };
 

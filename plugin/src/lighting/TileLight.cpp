@@ -17,6 +17,7 @@
 #include <atomic>
 #include <cassert>
 #include <tuple>
+#include <utility>
 
 namespace osgTerrainLight
 {
@@ -197,7 +198,7 @@ Status TileLight::apply()
     const bool recompute = _changes.recompute;
     _changes = Changes();
     const bool isNew =
-        meets(stale, Invalidation::Heights | Invalidation::Horizons | Invalidation::Method) ||
+        std::exchange(_resting, false) || meets(stale, Invalidation::Heights | Invalidation::Horizons | Invalidation::Method) ||
         before.posts.valid() != _inputs->posts.valid();
     if (isNew)
         declareMethod();
@@ -347,6 +348,27 @@ bool TileLight::isDirty(unsigned contextID) const
     return _changes.any() || _graph.isDirty(contextID);
 }
 
+void TileLight::rest()
+{
+    Lock computing(_computing);
+    Lock lock(_mutex);
+    if (_resting || _changes.any() || !_unfinished.empty() || _inputs->isGlossy() ||
+        _inputs->hasEdges() || !_inputs->probes.empty() || _inputs->posts.valid())
+        return;
+    _graph.declare({});
+    _transport.clear();
+    _method = nullptr;
+    _table = nullptr;
+    _surface = nullptr;
+    _resting = true;
+}
+
+bool TileLight::isResting() const
+{
+    Lock lock(_mutex);
+    return _resting;
+}
+
 osg::Texture2D* TileLight::shading() const
 {
     return static_cast<osg::Texture2D*>(_shading->texture());
@@ -414,7 +436,12 @@ std::vector<StageCost> TileLight::costs() const
 std::size_t TileLight::bytes() const
 {
     Lock lock(_mutex);
-    return _surface->bytes() + _graph.bytes();
+    std::size_t bytes = _resting ? _shading->bytes() : _surface->bytes() + _graph.bytes();
+    if (_resting && !_bounces.empty())
+        bytes += _direct->bytes();
+    for (const auto& bounce : _bounces)
+        bytes += _resting ? bounce->bytes() : 0;
+    return bytes;
 }
 
 void TileLight::releaseGLObjects(osg::State* state) const
@@ -424,6 +451,14 @@ void TileLight::releaseGLObjects(osg::State* state) const
         _unfinished.erase(state->getContextID());
     else
         _unfinished.clear();
+    if (isResting())
+    {
+        // What is left of the light goes as well: it is computed anew.
+        _shading->releaseGLObjects(state);
+        Lock lock(_mutex);
+        _changes.recompute = true;
+        return;
+    }
     _surface->releaseGLObjects(state);
     _graph.releaseGLObjects(state);
 }
@@ -431,7 +466,8 @@ void TileLight::releaseGLObjects(osg::State* state) const
 void TileLight::resizeGLObjectBuffers(unsigned size)
 {
     Lock computing(_computing);
-    _surface->resizeGLObjectBuffers(size);
+    if (_surface)
+        _surface->resizeGLObjectBuffers(size);
     _graph.resizeGLObjectBuffers(size);
 }
 

@@ -108,6 +108,13 @@ public:
     Status update(osg::State& state, const std::function<bool()>& mayContinue = {});
     bool isDirty(unsigned contextID) const;
 
+    /// Lets go of all that light is computed from and by: what stays is the light, its parts by
+    /// bounce, and the heights on the CPU. The next change computes everything anew. Nothing
+    /// happens where the light of a context is not whole, or where something else reads what would
+    /// go (gloss, probes, edges of shadows, heights that change).
+    void rest();
+    bool isResting() const;
+
     /// RGBA16F, a texel per post, row 0 south: rgb = irradiance / pi, a = visible fraction of the
     /// sun (1 where the sun is off). Void posts: all 0.
     osg::Texture2D* shading() const;
@@ -175,7 +182,7 @@ private:
     mutable OpenThreads::Mutex _computing; ///< held while the graph runs; taken before _mutex
     mutable OpenThreads::Mutex _mutex;     ///< of _latest, _changes, and of writing _inputs
     TileValues _latest;
-    Changes _changes;
+    mutable Changes _changes;
     mutable std::set<unsigned> _unfinished; ///< contexts of stopped updates; guarded by _computing
     osg::ref_ptr<HeightTexture> _ownPosts;  ///< of setHeights()
 
@@ -191,6 +198,7 @@ private:
     std::vector<osg::ref_ptr<Resource>> _bounces; ///< light of each
     mutable WorkGraph _graph;
     Status _declared = Nothing{};
+    bool _resting = false; ///< there are no nodes, and there is no surface
 
     unsigned _lightChanges = 0;
     const unsigned _turn; ///< so that tiles do not all bounce light in the same update

@@ -79,8 +79,8 @@ double TileSurface::sinkAt(double column, double row, double eastSpacing) const
 {
     if (!(_bodyRadius > 0.0))
         return 0.0;
-    const double east = (column - 0.5 * _windows->lastColumn) * eastSpacing;
-    const double north = (row - 0.5 * _windows->lastRow) * _tile.northSpacing;
+    const double east = (column - _windows->middleColumn) * eastSpacing;
+    const double north = (row - _windows->middleRow) * _tile.northSpacing;
     return (east * east + north * north) / (2.0 * _bodyRadius);
 }
 

@@ -18,38 +18,23 @@ std::vector<double> spacingsOf(const TileSource& source, int level, int unit, co
     return spacings;
 }
 
-/// Heights of a tile's own level.
-Result<Raster<float>> readOwn(TileSource& source, int level, const PostRect& posts)
-{
-    if (level == 0)
-        return source.readPosts(posts);
-    Result<Raster<float>> east = source.readLevel(level, CrestAxis::East, posts);
-    if (!east)
-        return east;
-    const Result<Raster<float>> north = source.readLevel(level, CrestAxis::North, posts);
-    if (!north)
-        return north;
-    for (std::size_t i = 0; i < east->size(); ++i)
-        east->values()[i] = 0.5f * (east->values()[i] + north->values()[i]);
-    return east;
-}
-
-DemTile tileOf(const TileSource& source, int level, const TileWindows& windows)
+/// Of heights of `near`.
+DemTile tileOf(const TileWindows& windows, double northSpacing, double heightOrigin)
 {
     const PostRect& place = windows.place;
-    const double step = 1 << level;
-    DemTile tile(place.width, place.height, source.northSpacing() * step);
-    tile.heightOrigin = source.heightOrigin();
-    tile.eastSpacings = spacingsOf(source, level, level, place);
-    const double first = tile.eastSpacings.front();
-    if (std::all_of(tile.eastSpacings.begin(), tile.eastSpacings.end(),
-                    [first](double spacing) { return spacing == first; }))
-        tile.eastSpacings = {first};
+    const PostRect& near = windows.near;
+    DemTile tile(place.width, place.height, northSpacing);
+    tile.heightOrigin = heightOrigin;
+    const auto first = windows.eastSpacings.begin() + (place.row - near.row);
+    tile.eastSpacings.assign(first, first + place.height);
+    if (std::all_of(first, first + place.height,
+                    [first](double spacing) { return spacing == *first; }))
+        tile.eastSpacings.resize(1);
     for (int row = 0; row < place.height; ++row)
         for (int column = 0; column < place.width; ++column)
-            tile.setHeight(column, row,
-                           windows.heights.at(place.column - windows.near.column + column,
-                                              place.row - windows.near.row + row));
+            tile.setHeight(
+                column, row,
+                windows.heights.at(place.column - near.column + column, place.row - near.row + row));
     return tile;
 }
 
@@ -73,15 +58,19 @@ Result<std::shared_ptr<const TileWindows>> readWindows(TileSource& source, int l
     windows->extent = extent;
     windows->lastColumn = std::ldexp(source.width() - 1, -level);
     windows->lastRow = std::ldexp(source.height() - 1, -level);
+    const PostRect terrain = source.terrain();
+    windows->middleColumn = std::ldexp(terrain.column + 0.5 * (terrain.width - 1), -level);
+    windows->middleRow = std::ldexp(terrain.row + 0.5 * (terrain.height - 1), -level);
     // The tile itself, where it reaches beyond what may be valid too.
     PostRect& near = windows->near;
     near = tile.grownBy(scheme.ring).clippedTo(extent).joinedWith(tile);
-    Result<Raster<float>> heights = readOwn(source, level, near);
+    Result<Raster<float>> heights = source.readSurface(level, near);
     if (!heights)
         return heights.error();
     windows->heights = std::move(*heights);
     windows->eastSpacings = spacingsOf(source, level, level, near);
-    windows->tile = tileOf(source, level, *windows);
+    windows->tile =
+        tileOf(*windows, source.northSpacing() * (1 << level), source.heightOrigin());
 
     if (source.lastLevel() - level > TileWindows::mostLevels)
         return Error{ErrorCode::NotSupported,
@@ -108,6 +97,14 @@ Result<std::shared_ptr<const TileWindows>> readWindows(TileSource& source, int l
         windows->levels.push_back(std::move(made));
     }
     return std::shared_ptr<const TileWindows>(windows);
+}
+
+std::shared_ptr<const TileWindows> withLitMargin(const TileWindows& windows, int posts)
+{
+    auto larger = std::make_shared<TileWindows>(windows);
+    larger->place = windows.place.grownBy(posts).clippedTo(windows.near);
+    larger->tile = tileOf(*larger, windows.tile.northSpacing, windows.tile.heightOrigin);
+    return larger;
 }
 
 } // namespace osgTerrainLight

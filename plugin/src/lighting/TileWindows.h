@@ -42,6 +42,7 @@ struct TileWindows
     DemTile tile;
     PostRect place;             ///< of the tile in the whole terrain, in posts of its level
     double lastColumn, lastRow; ///< of the terrain that is lit as one, from (0, 0), in such posts
+    double middleColumn, middleRow; ///< where a plane touches the planet, in such posts
     PostRect extent;            ///< all that may be valid, in such posts
     PostRect near;              ///< the tile and its ring, clipped to what may be valid
     Raster<float> heights;      ///< of `near` [m above the tile's heightOrigin], NaN void
@@ -52,5 +53,9 @@ struct TileWindows
 /// Reads a tile of a level's posts: level 0's are the terrain itself. Fails where the source does.
 Result<std::shared_ptr<const TileWindows>>
 readWindows(TileSource& source, int level, const PostRect& tile, HorizonQuality quality);
+
+/// The same with a larger tile: so many posts more on each side as far as there is terrain.
+/// Precondition: not more than the ring.
+std::shared_ptr<const TileWindows> withLitMargin(const TileWindows& windows, int posts);
 
 } // namespace osgTerrainLight

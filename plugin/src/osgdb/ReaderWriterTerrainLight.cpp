@@ -5,7 +5,7 @@
 #include "io/ReadOption.h"
 #include "osgdb/LostLight.h"
 #include "scene/SkyDome.h"
-#include "scene/TerrainModel.h"
+#include "terrain/TerrainModel.h"
 #include "viewer/FirstView.h"
 #include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/TerrainLighting.h>

@@ -1,17 +1,34 @@
 #include "scene/LitTile.h"
 
+#include "lighting/TileWindows.h"
+
 namespace osgTerrainLight
 {
 
 namespace
 {
 using Lock = std::lock_guard<std::mutex>;
+/// Of its own level around a tile, lit for bounces; ground beyond sends its coarser level's light.
+/// The tool, whose tiles are larger, has bounceMargin.
+constexpr int marginPosts = 32;
 } // namespace
 
 LitTile::LitTile(std::string name, const DemTile& dem, std::shared_ptr<const SceneLight> light)
     : _name(std::move(name)), _lighting(new TileLight(dem, light->settings, light->sky)),
       _light(std::move(light))
 {
+}
+
+LitTile::LitTile(std::string name, const std::shared_ptr<const TileWindows>& windows,
+                 std::shared_ptr<const SceneLight> light)
+    : _name(std::move(name)), _surrounded(true), _hasMargin(light->settings.bounces > 0),
+      _light(std::move(light))
+{
+    const auto lit = _hasMargin ? withLitMargin(*windows, marginPosts) : windows;
+    _margin = {windows->place.column - lit->place.column, windows->place.row - lit->place.row,
+               lit->place.endColumn() - windows->place.endColumn(),
+               lit->place.endRow() - windows->place.endRow()};
+    _lighting = new TileLight(lit, _light->settings, _light->sky);
 }
 
 Status LitTile::update(osg::State& state, const std::shared_ptr<const SceneLight>& light,

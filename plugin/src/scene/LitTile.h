@@ -7,6 +7,7 @@
 #include <osg/BoundingSphere>
 #include <osg/Referenced>
 
+#include <algorithm>
 #include <atomic>
 #include <functional>
 #include <map>
@@ -16,6 +17,8 @@
 
 namespace osgTerrainLight
 {
+
+struct TileWindows;
 
 /// What lights all tiles of a scene. It does not change once it is shared.
 struct SceneLight
@@ -31,6 +34,40 @@ class LitTile : public osg::Referenced
 {
 public:
     LitTile(std::string name, const DemTile& dem, std::shared_ptr<const SceneLight> light);
+    /// A tile and what surrounds it. Where there are bounces it is lit with a margin of posts
+    /// around it, which is not drawn, so that they find their neighbours' light.
+    LitTile(std::string name, const std::shared_ptr<const TileWindows>& windows,
+            std::shared_ptr<const SceneLight> light);
+
+    /// Of posts on each side that are lit and not drawn.
+    struct Margin
+    {
+        int west = 0, south = 0, east = 0, north = 0;
+    };
+    const Margin& margin() const { return _margin; }
+    int drawnWidth() const { return _lighting->width() - _margin.west - _margin.east; }
+    int drawnHeight() const { return _lighting->height() - _margin.south - _margin.north; }
+    /// A value per post that is lit, from those of posts that are drawn: the nearest one's.
+    template <class T>
+    Raster<T> withMargin(const Raster<T>& drawn) const
+    {
+        if (drawn.empty() || (drawn.width() == _lighting->width() &&
+                              drawn.height() == _lighting->height()))
+            return drawn;
+        Raster<T> lit(_lighting->width(), _lighting->height());
+        for (int row = 0; row < lit.height(); ++row)
+            for (int column = 0; column < lit.width(); ++column)
+                lit.at(column, row) =
+                    drawn.at(std::clamp(column - _margin.west, 0, drawn.width() - 1),
+                             std::clamp(row - _margin.south, 0, drawn.height() - 1));
+        return lit;
+    }
+    bool isSurrounded() const { return _surrounded; }
+    /// Whether the light is such that it should have another margin.
+    bool needsOtherMargin(const LightingSettings& settings) const
+    {
+        return _surrounded && _hasMargin != (settings.bounces > 0);
+    }
 
     const std::string& name() const { return _name; }
     TileLight& lighting() const { return *_lighting; }
@@ -71,7 +108,9 @@ private:
     ~LitTile() override = default;
     bool isNewer(const SceneLight& light) const;
 
-    std::string _name;
+    const std::string _name;
+    const bool _surrounded = false, _hasMargin = false;
+    Margin _margin;
     osg::ref_ptr<TileLight> _lighting;
     osg::BoundingSphere _bound;
 

@@ -7,12 +7,15 @@ namespace osgTerrainLight
 
 namespace
 {
-ProbePlace placeOf(const LightProbe& probe, const DemTile& tile)
+ProbePlace placeOf(const LightProbe& probe, const LitTile& lit)
 {
+    const DemTile& tile = lit.lighting().tile();
     ProbePlace place;
-    place.row = std::clamp(probe.getNorth() / tile.northSpacing, 0.0, tile.height() - 1.0);
+    place.row = lit.margin().south +
+                std::clamp(probe.getNorth() / tile.northSpacing, 0.0, lit.drawnHeight() - 1.0);
     const double spacing = tile.eastSpacing(static_cast<int>(place.row + 0.5));
-    place.column = std::clamp(probe.getEast() / spacing, 0.0, tile.width() - 1.0);
+    place.column = lit.margin().west +
+                   std::clamp(probe.getEast() / spacing, 0.0, lit.drawnWidth() - 1.0);
     place.height = probe.getHeight();
     place.aboveGround = probe.isAboveGround();
     place.exponent = probe.getExponent();
@@ -57,7 +60,7 @@ bool ProbeList::follow(const TileRegistry& registry)
         places.clear();
     for (const Entry& entry : _probes)
         if (entry.lit)
-            _places[entry.lit].push_back(placeOf(*entry.probe, entry.lit->lighting().tile()));
+            _places[entry.lit].push_back(placeOf(*entry.probe, *entry.lit));
     for (auto i = _places.begin(); i != _places.end();)
     {
         i->first->lighting().setProbes(i->second);

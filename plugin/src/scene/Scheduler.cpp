@@ -20,7 +20,8 @@ void Scheduler::add(LitTile* tile)
     Lock lock(_mutex);
     _tiles.emplace_back(tile);
     touch();
-    if (_tiles.size() == 2 && !_saidAlone)
+    _alone += tile->isSurrounded() ? 0 : 1;
+    if (_alone >= 2 && !_saidAlone)
     {
         _saidAlone = true;
         OSG_WARN << "osgTerrainLight: the scene has several terrain tiles. Each tile is lit alone, "
@@ -32,7 +33,10 @@ void Scheduler::add(LitTile* tile)
 void Scheduler::remove(LitTile* tile)
 {
     Lock lock(_mutex);
-    _tiles.erase(std::remove(_tiles.begin(), _tiles.end(), tile), _tiles.end());
+    const auto gone = std::remove(_tiles.begin(), _tiles.end(), tile);
+    if (gone != _tiles.end() && !tile->isSurrounded())
+        --_alone;
+    _tiles.erase(gone, _tiles.end());
     for (auto& [id, context] : _contexts)
         context.sights.erase(tile);
 }
@@ -174,9 +178,24 @@ void Scheduler::compute(osg::State& state)
     bool stopped = false;
     for (std::size_t i = 0; i < tiles.size() && !stopped; ++i)
         done = update(*tiles[i], state, *clock, limit, stopped) && done;
+    const std::shared_ptr<const SceneLight> light = this->light();
     Lock lock(_mutex);
+    if (_contexts.size() == 1)
+        rest(tiles, light);
     if (done && !stopped)
         _contexts[id].done = revision;
+}
+
+/// Those that are seen best keep what their light is computed from.
+void Scheduler::rest(const std::vector<osg::ref_ptr<LitTile>>& inOrder,
+                     const std::shared_ptr<const SceneLight>& light)
+{
+    const unsigned id = _contexts.begin()->first;
+    std::size_t awake = 0;
+    for (const auto& tile : inOrder)
+        if (tile->isSurrounded() && !tile->lighting().isResting() && ++awake > mostAwake &&
+            tile->stage(id) == LitTile::Stage::Lit && !tile->isBehind(id, light))
+            tile->lighting().rest();
 }
 
 /// Whether the tile is up to date. stopped: the budget is spent.

@@ -3,6 +3,7 @@
 #include "io/AlbedoFile.h"
 
 #include "io/GroundSpacing.h"
+#include "lighting/TileWindows.h"
 
 #include <osgTerrain/Layer>
 #include <osgTerrain/Locator>
@@ -95,7 +96,12 @@ osg::Vec2 tileCoordinate(const osgTerrain::Locator& locator, const osg::Matrixd&
 }
 } // namespace
 
-Result<DemTile> readTerrainTile(osgTerrain::TerrainTile& tile, const osg::Matrixd& toScene)
+const DemTile& DemData::tile() const
+{
+    return _windows ? _windows->tile : _tile;
+}
+
+Result<TerrainHeights> readTerrainTile(osgTerrain::TerrainTile& tile, const osg::Matrixd& toScene)
 {
     osgTerrain::Layer* layer = tile.getElevationLayer();
     const osgTerrain::Locator* locator = layer ? layer->getLocator() : nullptr;
@@ -115,7 +121,7 @@ Result<DemTile> readTerrainTile(osgTerrain::TerrainTile& tile, const osg::Matrix
         up.length() * (terrain ? static_cast<double>(terrain->getVerticalScale()) : 1.0);
     const auto* data = dynamic_cast<const DemData*>(tile.getUserData());
     if (data && metresPerHeight == 1.0 && layer->getModifiedCount() == 0)
-        return data->tile;
+        return TerrainHeights{data->tile(), data->windows()};
 
     DemTile dem(width, height, 1.0);
     if (!measure(*locator, place, dem) || (!geocentric && !isAlong(up, {0.0, 0.0, 1.0})))
@@ -148,7 +154,7 @@ Result<DemTile> readTerrainTile(osgTerrain::TerrainTile& tile, const osg::Matrix
         for (int column = 0; column < width; ++column, ++i)
             if (!std::isnan(heights[i]))
                 dem.setHeight(column, row, static_cast<float>(heights[i] - dem.heightOrigin));
-    return dem;
+    return TerrainHeights{std::move(dem), nullptr};
 }
 
 std::optional<ShadingCoordinates> affineCoordinates(const osgTerrain::TerrainTile& tile,

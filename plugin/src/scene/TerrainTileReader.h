@@ -12,22 +12,34 @@
 #include <osgTerrain/TerrainTile>
 
 #include <array>
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace osgTerrainLight
 {
 
+struct TileWindows;
+
 /// The DEM that a tile's height field was made from, as the tile's user data: it knows what a
-/// height field does not, such as each row's east spacing.
+/// height field does not, such as each row's east spacing, and what surrounds the tile.
 class DemData : public osg::Referenced
 {
 public:
-    explicit DemData(const DemTile& dem) : tile(dem) {}
-    const DemTile tile;
+    explicit DemData(const DemTile& dem) : _tile(dem) {}
+    explicit DemData(std::shared_ptr<const TileWindows> around) : _windows(std::move(around)) {}
+
+    const DemTile& tile() const;
+    /// Null where nothing surrounds the tile.
+    const std::shared_ptr<const TileWindows>& windows() const { return _windows; }
+
 
 private:
     ~DemData() override = default;
+
+    const DemTile _tile;
+    const std::shared_ptr<const TileWindows> _windows;
 };
 
 /// A drawn part of a tile, and where it stands in the tile.
@@ -37,9 +49,16 @@ struct TilePart
     osg::Matrixd toTile; ///< from the geometry's frame to the tile's
 };
 
+/// Heights of a tile, and what surrounds it.
+struct TerrainHeights
+{
+    DemTile dem;
+    std::shared_ptr<const TileWindows> windows; ///< null where nothing does
+};
+
 /// Heights of a tile in metres, through its elevation layer and locator. toScene: from the tile's
 /// frame to that of TerrainLighting. An error where rows do not run east, or heights not up.
-Result<DemTile> readTerrainTile(osgTerrain::TerrainTile& tile, const osg::Matrixd& toScene);
+Result<TerrainHeights> readTerrainTile(osgTerrain::TerrainTile& tile, const osg::Matrixd& toScene);
 
 /// The tile's first colour layer as an albedo per post: a picture over the tile's whole extent, its
 /// bytes sRGB. Empty where it has none, one that is no picture, or one compressed for the GPU.

@@ -121,18 +121,25 @@ void TerrainTiles::look(SceneTile& tile, const TileFinder& finder)
     if (!tile.lit)
         return;
     LitTile& lit = *tile.lit;
+    if (lit.needsOtherMargin(_scheduler->light()->settings))
+    {
+        if (const std::optional<FoundTile> found = finder.find(&terrain))
+            use(tile, *found, true);
+        return;
+    }
     if (tile.binding)
         tile.binding->setHasColour(hasColour(terrain));
-    const int width = lit.lighting().width();
-    const int height = lit.lighting().height();
+    const int width = lit.drawnWidth();
+    const int height = lit.drawnHeight();
     if (tile.glossPicture.follow(pictureOf(terrain, glossLayer)))
     {
-        lit.lighting().setGloss(readTerrainGloss(terrain, glossLayer, width, height));
+        lit.lighting().setGloss(
+            lit.withMargin(readTerrainGloss(terrain, glossLayer, width, height)));
         _scheduler->touch();
     }
     if (albedoNeeded && tile.colours.follow(pictureOf(terrain, 0)))
     {
-        lit.lighting().setAlbedo(readTerrainAlbedo(terrain, width, height));
+        lit.lighting().setAlbedo(lit.withMargin(readTerrainAlbedo(terrain, width, height)));
         _scheduler->touch();
     }
     if (tile.binding && tile.byTexCoord) // the technique makes new geometry for new neighbours
@@ -249,9 +256,9 @@ void TerrainTiles::use(SceneTile& tile, const FoundTile& found, bool fresh)
     tile.version = version;
     if (!version.layer)
         return fail(tile, ""); // may come later
-    const Result<DemTile> dem = readTerrainTile(terrain, found.toScene);
-    if (!dem)
-        return fail(tile, dem.error().message);
+    const Result<TerrainHeights> heights = readTerrainTile(terrain, found.toScene);
+    if (!heights)
+        return fail(tile, heights.error().message);
     std::optional<ShadingCoordinates> coordinates = affineCoordinates(terrain, parts);
     tile.withoutGeometry = parts.empty();
     tile.byTexCoord = !coordinates;
@@ -264,7 +271,7 @@ void TerrainTiles::use(SceneTile& tile, const FoundTile& found, bool fresh)
     // Other techniques move vertices in shaders of their own.
     const bool stock = dynamic_cast<const osgTerrain::GeometryTechnique*>(
                            terrain.getTerrainTechnique()) != nullptr;
-    _binder.bindTerrain(tile, *dem, nameOf(terrain), *coordinates,
+    _binder.bindTerrain(tile, *heights, nameOf(terrain), *coordinates,
                         defaultProgram && stock && !found.hasProgram);
     tile.binding->setHasColour(hasColour(terrain));
     tile.lit->setBound(bound);

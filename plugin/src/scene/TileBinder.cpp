@@ -7,9 +7,26 @@
 namespace osgTerrainLight
 {
 
-void TileBinder::light(SceneTile& tile, const DemTile& dem, const std::string& name)
+namespace
 {
-    tile.lit = new LitTile(name, dem, _scheduler->light());
+/// With the margin that is lit and not drawn.
+ShadingCoordinates onLit(ShadingCoordinates coordinates, const LitTile& lit)
+{
+    const LitTile::Margin& margin = lit.margin();
+    const double columns = lit.lighting().width() - 1;
+    const double rows = lit.lighting().height() - 1;
+    coordinates.toTile =
+        coordinates.toTile *
+        osg::Matrixd::scale((columns - margin.west - margin.east) / columns,
+                            (rows - margin.south - margin.north) / rows, 1.0) *
+        osg::Matrixd::translate(margin.west / columns, margin.south / rows, 0.0);
+    return coordinates;
+}
+} // namespace
+
+void TileBinder::light(SceneTile& tile, LitTile* lit)
+{
+    tile.lit = lit;
     _scheduler->add(tile.lit);
 }
 
@@ -34,7 +51,7 @@ void TileBinder::bindHost(SceneTile& tile, const DemTile& dem, osg::StateSet* st
                           const ShadingCoordinates& coordinates, bool program)
 {
     takeFrom(stateSet);
-    light(tile, dem, "added tile");
+    light(tile, new LitTile("added tile", dem, _scheduler->light()));
     bind(tile, stateSet, coordinates, programOf(tile, program));
 }
 
@@ -42,7 +59,7 @@ void TileBinder::bindDynamic(SceneTile& tile, DynamicTerrain& terrain)
 {
     osg::StateSet* stateSet = terrain.getOrCreateStateSet();
     takeFrom(stateSet);
-    light(tile, terrain.getTile(), "dynamic terrain");
+    light(tile, new LitTile("dynamic terrain", terrain.getTile(), _scheduler->light()));
     const bool ours = dynamic_cast<const DisplacedProgram*>(
                           stateSet->getAttribute(osg::StateAttribute::PROGRAM)) != nullptr;
     const osg::ref_ptr<osg::Program> program =
@@ -52,13 +69,17 @@ void TileBinder::bindDynamic(SceneTile& tile, DynamicTerrain& terrain)
     followHeights(tile);
 }
 
-void TileBinder::bindTerrain(SceneTile& tile, const DemTile& dem, const std::string& name,
-                             const ShadingCoordinates& coordinates, bool program)
+void TileBinder::bindTerrain(SceneTile& tile, const TerrainHeights& heights,
+                             const std::string& name, const ShadingCoordinates& coordinates,
+                             bool program)
 {
-    light(tile, dem, name);
+    const std::shared_ptr<const SceneLight> now = _scheduler->light();
+    light(tile, heights.windows ? new LitTile(name, heights.windows, now)
+                                : new LitTile(name, heights.dem, now));
     if (!tile.theirVariance)
         tile.ownStateSet = !tile.terrain->getStateSet();
-    bind(tile, tile.terrain->getOrCreateStateSet(), coordinates, programOf(tile, program));
+    bind(tile, tile.terrain->getOrCreateStateSet(), onLit(coordinates, *tile.lit),
+         programOf(tile, program));
     if (tile.theirVariance)
         tile.binding->setTheirVariance(*tile.theirVariance);
     tile.theirVariance.reset();

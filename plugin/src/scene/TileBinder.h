@@ -2,6 +2,7 @@
 
 #include "scene/SceneTile.h"
 #include "scene/Scheduler.h"
+#include "scene/TerrainTileReader.h"
 #include "scene/TilePrograms.h"
 #include "scene/TileUnits.h"
 
@@ -29,7 +30,7 @@ public:
                   const ShadingCoordinates& coordinates, bool program);
     void bindDynamic(SceneTile& tile, DynamicTerrain& terrain);
     /// A terrain tile that was found.
-    void bindTerrain(SceneTile& tile, const DemTile& dem, const std::string& name,
+    void bindTerrain(SceneTile& tile, const TerrainHeights& heights, const std::string& name,
                      const ShadingCoordinates& coordinates, bool program);
 
     /// Takes the light off the tile, a few updates later from its StateSet: frames that are still
@@ -58,7 +59,7 @@ private:
         osg::ref_ptr<osgTerrain::TerrainTile> emptied; ///< its StateSet is ours to take off
         int updates = 3;                               ///< frames that a threaded viewer has going
     };
-    void light(SceneTile& tile, const DemTile& dem, const std::string& name);
+    void light(SceneTile& tile, LitTile* lit);
     void bind(SceneTile& tile, osg::StateSet* stateSet, const ShadingCoordinates& coordinates,
               osg::Program* program);
     osg::ref_ptr<osg::Program> programOf(const SceneTile& tile, bool wanted);

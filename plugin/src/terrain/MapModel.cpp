@@ -1,4 +1,4 @@
-#include "scene/TerrainModel.h"
+#include "terrain/TerrainModel.h"
 
 #include "io/CompositeDem.h"
 #include "io/TileRaster.h"
@@ -39,17 +39,19 @@ public:
         for (const EarthLayer& layer : _map.images)
             if (const Status drawn = readImage(layer); !drawn)
                 leaveOut(layer, drawn.error());
-        if (_tile)
+        if (_paged)
+            addPagedTerrain();
+        else if (_tile)
         {
             osg::ref_ptr<osg::Node> terrain = createTerrain(*_tile, _colours);
             terrain->setName(_map.name);
             _model.node->addChild(terrain);
             _model.terrain = extentOf(*_tile);
         }
-        else if (!_isMissing)
+        if (!_model.terrain.valid() && !_isMissing)
             return Error{ErrorCode::Invalid,
                          _source + ": no layer could be read, left out: " + _leftOut};
-        else
+        if (!_model.terrain.valid())
             _model.warnings.push_back(_source + ": no layer could be read; the map is empty");
         if (const Status set = setTimeAndPlace(*_model.node, _map.light, _tile); !set)
             _model.warnings.push_back(_source + ": " + set.error().message);
@@ -98,11 +100,34 @@ private:
             }
             else
                 leaveOut(layer, path.error());
+        if (dems.size() == 1 && isPaged(dems[0].path, dems[0].read))
+            return openPaged(dems[0], *layers[0]);
         CompositeDem composite = readComposite(dems, mostDrawnPosts);
         for (const auto& [number, reason] : composite.leftOut)
             leaveOut(*layers[number], reason);
         _model.notes.insert(_model.notes.end(), composite.notes.begin(), composite.notes.end());
         _tile = std::move(composite.tile);
+    }
+
+    /// Of _tile there are then corners only.
+    void openPaged(const DemLayer& dem, const EarthLayer& layer)
+    {
+        Result<std::unique_ptr<OverviewSource>> source = OverviewSource::open(dem.path, dem.read);
+        if (!source)
+            return leaveOut(layer, source.error());
+        for (const std::string& note : (*source)->notes())
+            _model.notes.push_back(dem.path + ": " + note);
+        _tile = (*source)->cornersOf(0, (*source)->terrain());
+        _paged = std::move(*source);
+    }
+
+    void addPagedTerrain()
+    {
+        if (const Status added =
+                addPaged(_model, std::move(_paged), std::move(_draped), _map.light);
+            !added)
+            _model.warnings.push_back(_source + ": left out the terrain: " +
+                                      added.error().message);
     }
 
     /// Over those before; where there is no elevation, the first one gives the terrain's extent.
@@ -119,9 +144,17 @@ private:
             _tile = *level;
             _model.notes.push_back(_source + ": no elevation, so the terrain is level");
         }
-        Result<ColourImage> colour = readColour(*path, *_tile);
+        // Of paged terrain only what is wrong with it is asked here.
+        constexpr int glimpse = 64;
+        Result<ColourImage> colour = _paged ? readColour(*path, *_tile, glimpse)
+                                            : readColour(*path, *_tile);
         if (!colour)
             return colour.error();
+        if (_paged)
+        {
+            _draped.push_back({*path, layer.opacity});
+            return Nothing{};
+        }
         for (std::size_t alpha = 3; alpha < colour->pixels.size(); alpha += 4)
             colour->pixels[alpha] =
                 static_cast<std::uint8_t>(std::lround(layer.opacity * colour->pixels[alpha]));
@@ -136,6 +169,8 @@ private:
     bool _isMissing = true;         ///< whatever was left out here
     std::vector<TileRaster> _tiles; ///< read as long as they are kept
     std::optional<DemTile> _tile;
+    std::unique_ptr<OverviewSource> _paged; ///< null where the terrain is one tile
+    std::vector<DrapedColour> _draped;      ///< over paged terrain
     std::vector<ColourImage> _colours;
 };
 } // namespace

@@ -1,19 +1,11 @@
-#include "scene/TerrainModel.h"
-
-#include "io/CompositeDem.h"
-#include "io/MapPlace.h"
-#include "scene/TerrainTileReader.h"
-#include <osgTerrainLight/Environment.h>
+#include "terrain/DrawnTile.h"
 
 #include <osg/Image>
-#include <osg/MatrixTransform>
 #include <osg/Notify>
 #include <osg/Shape>
-#include <osgDB/FileNameUtils>
 #include <osgTerrain/GeometryTechnique>
 #include <osgTerrain/Layer>
 #include <osgTerrain/Locator>
-#include <osgTerrain/TerrainTile>
 #include <osgTerrain/ValidDataOperator>
 
 #include <algorithm>
@@ -100,30 +92,28 @@ osg::ref_ptr<osg::Image> composed(const std::vector<ColourImage>& layers)
             }
     return image;
 }
-
-std::string baseName(const std::string& path)
-{
-    return osgDB::getSimpleFileName(path);
-}
-
 } // namespace
 
-osg::ref_ptr<osg::Node> createTerrain(const DemTile& tile, const std::vector<ColourImage>& colours)
+osg::ref_ptr<osgTerrain::TerrainTile> drawnTile(const DemTile& tile, double eastSpacing,
+                                                DemData* data,
+                                                const std::vector<ColourImage>& colours,
+                                                float skirt)
 {
     assert(tile.width() > 1 && tile.height() > 1);
-    const double halfWidth = 0.5 * (tile.width() - 1) * tile.nominalEastSpacing();
+    const double halfWidth = 0.5 * (tile.width() - 1) * eastSpacing;
     const double halfHeight = 0.5 * (tile.height() - 1) * tile.northSpacing;
     osg::ref_ptr<osgTerrain::Locator> locator = new osgTerrain::Locator;
     locator->setCoordinateSystemType(osgTerrain::Locator::PROJECTED);
     locator->setTransformAsExtents(-halfWidth, -halfHeight, halfWidth, halfHeight);
 
-    osg::ref_ptr<osgTerrain::HeightFieldLayer> heights =
-        new osgTerrain::HeightFieldLayer(heightFieldOf(tile));
+    const osg::ref_ptr<osg::HeightField> field = heightFieldOf(tile);
+    field->setSkirtHeight(skirt);
+    osg::ref_ptr<osgTerrain::HeightFieldLayer> heights = new osgTerrain::HeightFieldLayer(field);
     heights->setLocator(locator);
     heights->setValidDataOperator(new osgTerrain::NoDataValue(voidHeight));
 
     osg::ref_ptr<osgTerrain::TerrainTile> terrain = new osgTerrain::TerrainTile;
-    terrain->setUserData(new DemData(tile));
+    terrain->setUserData(data);
     terrain->setLocator(locator);
     terrain->setElevationLayer(heights);
     if (tile.validCount() < tile.postCount())
@@ -136,91 +126,30 @@ osg::ref_ptr<osg::Node> createTerrain(const DemTile& tile, const std::vector<Col
         layer->setLocator(locator);
         terrain->setColorLayer(0, layer);
     }
-    osg::ref_ptr<osg::MatrixTransform> placed =
-        new osg::MatrixTransform(osg::Matrix::translate(0.0, 0.0, tile.heightOrigin));
-    placed->addChild(terrain);
-    return placed;
+    return terrain;
 }
 
-std::string resolved(const std::string& url, const std::string& folder)
+float skirtOf(const DemTile& tile)
 {
-    const bool whole = osgDB::isAbsolutePath(url) || url.compare(0, 4, "/vsi") == 0;
-    return whole || folder.empty() ? url : osgDB::concatPaths(folder, url);
-}
-
-osg::BoundingBoxd extentOf(const DemTile& tile)
-{
-    osg::BoundingBoxd box;
-    for (int row = 0; row < tile.height(); ++row)
-        for (int column = 0; column < tile.width(); ++column)
-            if (tile.isValid(column, row))
-                box.expandBy((column - 0.5 * (tile.width() - 1)) * tile.nominalEastSpacing(),
-                             (row - 0.5 * (tile.height() - 1)) * tile.northSpacing,
-                             tile.heightOrigin + static_cast<double>(tile.heightAt(column, row)));
-    return box;
-}
-
-osg::ref_ptr<TerrainLighting> createLighting(const LightParameters& light,
-                                             const std::string& folder,
-                                             std::vector<std::string>& warnings)
-{
-    osg::ref_ptr<TerrainLighting> node = new TerrainLighting;
-    SkyLight sky = light.sky;
-    std::string problem;
-    const std::shared_ptr<const Environment> environment =
-        light.skyFile.empty() ? nullptr : readEnvironment(resolved(light.skyFile, folder), problem);
-    if (environment)
+    constexpr int cells = 4;
+    float deepest = 0.0f;
+    const auto alongEdge = [&](int count, auto&& post)
     {
-        const bool withoutSun = !sky.sunEnabled;
-        sky.setEnvironment(environment, sky.environmentHeading, sky.environmentGain);
-        if (withoutSun)
-            sky.sunEnabled = false;
-    }
-    else if (!light.skyFile.empty())
-        warnings.push_back("left out the sky: " + problem);
-    node->setSkyLight(sky);
-    node->setSettings(light.settings);
-    node->setLightEnabled(light.lightEnabled);
-    return node;
-}
-
-Status setTimeAndPlace(TerrainLighting& node, const LightParameters& light,
-                       const std::optional<DemTile>& tile)
-{
-    if (light.time && node.getSkyLight().environment)
-        return Error{ErrorCode::Invalid, "time = " + toString(*light.time) +
-                                             ": the sun is that of " + light.skyFile +
-                                             ": needs another sky, or no time"};
-    const Result<EarthPlace> place =
-        placeInstead(light.place, tile ? tile->crs : "", placeOf(tile.value_or(DemTile())));
-    if (place)
-        node.setPlace(*place);
-    else if (light.time)
-        return Error{place.error().code, "time = " + toString(*light.time) + ": " +
-                                             place.error().message +
-                                             ": needs place, LONGITUDE,LATITUDE"};
-    if (light.time)
-        node.setTime(*light.time);
-    return Nothing{};
-}
-
-Result<TerrainModel> loadRaster(const std::string& path, const DemReadOptions& read,
-                                const LightParameters& light)
-{
-    const Result<DemFile> file = readDrawn(path, read, mostDrawnPosts);
-    if (!file)
-        return file.error();
-    TerrainModel model;
-    model.node = createLighting(light, "", model.warnings);
-    osg::ref_ptr<osg::Node> terrain = createTerrain(file->tile);
-    terrain->setName(baseName(path));
-    model.node->addChild(terrain);
-    model.terrain = extentOf(file->tile);
-    if (const Status set = setTimeAndPlace(*model.node, light, file->tile); !set)
-        return Error{set.error().code, path + ": " + set.error().message};
-    for (const std::string& note : file->notes)
-        model.notes.push_back(path + ": " + note);
-    return model;
+        for (int i = 0; i < count; ++i)
+            for (int j = i + 1; j <= std::min(i + cells, count - 1); ++j)
+            {
+                const auto [column, row] = post(i);
+                const auto [otherColumn, otherRow] = post(j);
+                if (tile.isValid(column, row) && tile.isValid(otherColumn, otherRow))
+                    deepest = std::max(deepest, std::abs(tile.heightAt(column, row) -
+                                                         tile.heightAt(otherColumn, otherRow)));
+            }
+    };
+    for (const int row : {0, tile.height() - 1})
+        alongEdge(tile.width(), [row](int i) { return std::pair<int, int>(i, row); });
+    for (const int column : {0, tile.width() - 1})
+        alongEdge(tile.height(), [column](int i) { return std::pair<int, int>(column, i); });
+    return deepest;
 }
 
 } // namespace osgTerrainLight

@@ -4,6 +4,7 @@
 #include "io/EarthFile.h"
 #include "io/LightParameters.h"
 #include "io/MapReader.h"
+#include "terrain/PagedTerrain.h"
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include <osg/BoundingBox>
@@ -24,7 +25,8 @@ struct TerrainModel
     std::vector<std::string> notes;    ///< assumptions
 };
 
-/// Most posts a side of a raster that is drawn whole; larger ones are averaged down.
+/// Most posts a side of a raster that is drawn as one tile; larger ones are paged (PagedTerrain).
+/// Several layers that are larger together are averaged down to it.
 constexpr int mostDrawnPosts = 2048;
 
 /// The tile as an osgTerrain::TerrainTile in metres: x east, y north, from its middle; z above the
@@ -49,6 +51,13 @@ osg::ref_ptr<TerrainLighting> createLighting(const LightParameters& light,
 /// there is a time and no place.
 Status setTimeAndPlace(TerrainLighting& node, const LightParameters& light,
                        const std::optional<DemTile>& tile);
+
+/// Whether the raster is one that is paged; not where it cannot be read.
+bool isPaged(const std::string& path, const DemReadOptions& read);
+
+/// Adds paged terrain to a model, whose node is there. Error: of reading the first tile.
+Status addPaged(TerrainModel& model, std::unique_ptr<OverviewSource> source,
+                std::vector<DrapedColour> colours, const LightParameters& light);
 
 /// A lit DEM.
 Result<TerrainModel> loadRaster(const std::string& path, const DemReadOptions& read,

@@ -1,0 +1,194 @@
+#include "terrain/PagedTerrain.h"
+
+#include "lighting/TileWindows.h"
+#include "scene/TerrainTileReader.h"
+#include "terrain/DrawnTile.h"
+
+#include <osg/Geometry>
+#include <osg/MatrixTransform>
+#include <osg/NodeVisitor>
+#include <osg/Notify>
+#include <osg/PagedLOD>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <new>
+#include <utility>
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+/// That a cell of a tile may have on the screen.
+constexpr double pixelsPerCell = 2.0;
+/// A side of a picture over a tile, and over one that has no finer ones.
+constexpr int mostPixels = 512, mostFinestPixels = 2048;
+
+/// Geometry in buffer objects: display lists keep each vertex once per triangle.
+class BufferObjects : public osg::NodeVisitor
+{
+public:
+    BufferObjects() : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN) {}
+    void apply(osg::Geometry& geometry) override
+    {
+        geometry.setUseDisplayList(false);
+        geometry.setUseVertexBufferObjects(true);
+    }
+};
+} // namespace
+
+PagedTerrain::PagedTerrain(std::unique_ptr<OverviewSource> source,
+                           std::vector<DrapedColour> colours, HorizonQuality quality)
+    : _source(std::move(source)), _colours(std::move(colours)), _quality(quality)
+{
+}
+
+osg::BoundingBoxd PagedTerrain::extent() const
+{
+    const RasterFrame& frame = _source->frame();
+    const double east = 0.5 * (frame.width - 1) * _source->middleEastSpacing();
+    const double north = 0.5 * (frame.height - 1) * _source->northSpacing();
+    return {-east, -north, _source->lowest(), east, north, _source->highest()};
+}
+
+/// Of a tile, in the frame of the nodes.
+osg::Vec3d PagedTerrain::middleOf(const Place& place) const
+{
+    const PostRect terrain = _source->terrain();
+    const double half = 0.5 * _source->cells();
+    const double step = std::ldexp(1.0, place.level);
+    const double column = step * (place.x * 2.0 * half + half);
+    const double row = step * (place.y * 2.0 * half + half);
+    return {(column - terrain.column - 0.5 * (terrain.width - 1)) * _source->middleEastSpacing(),
+            (row - terrain.row - 0.5 * (terrain.height - 1)) * _source->northSpacing(),
+            _source->heightOrigin()};
+}
+
+std::vector<ColourImage> PagedTerrain::coloursOf(const Place& place)
+{
+    const DemTile corners = _source->cornersOf(place.level, _source->placeOf(place.x, place.y));
+    std::vector<ColourImage> images;
+    for (const DrapedColour& colour : _colours)
+    {
+        Result<ColourImage> image =
+            readColour(colour.path, corners, place.level == 0 ? mostFinestPixels : mostPixels);
+        if (image)
+        {
+            for (std::size_t alpha = 3; alpha < image->pixels.size(); alpha += 4)
+                image->pixels[alpha] =
+                    static_cast<std::uint8_t>(std::lround(colour.opacity * image->pixels[alpha]));
+            images.push_back(std::move(*image));
+            continue;
+        }
+        if (image.error().code == ErrorCode::Elsewhere)
+            continue;
+        const std::lock_guard<std::mutex> lock(_telling);
+        if (_told.insert(colour.path).second)
+            OSG_WARN << "osgTerrainLight: left out a picture: " << image.error().message
+                     << std::endl;
+    }
+    return images;
+}
+
+/// Null where all of it is void.
+Result<osg::ref_ptr<osg::Node>> PagedTerrain::tile(const Place& place)
+{
+    const PostRect posts = _source->placeOf(place.x, place.y);
+    Result<std::shared_ptr<const TileWindows>> windows = [&]
+    {
+        const std::lock_guard<std::mutex> lock(_reading);
+        return readWindows(*_source, place.level, posts, _quality);
+    }();
+    if (!windows)
+        return windows.error();
+    const DemTile& dem = (*windows)->tile;
+    if (dem.validCount() == 0)
+        return osg::ref_ptr<osg::Node>();
+    const osg::ref_ptr<osgTerrain::TerrainTile> terrain =
+        drawnTile(dem, std::ldexp(_source->middleEastSpacing(), place.level),
+                  new DemData(*windows), coloursOf(place), skirtOf(dem));
+    terrain->setTileID({_source->root() - place.level, place.x, place.y});
+    // Geometry is made here, not in the thread that draws.
+    terrain->init(osgTerrain::TerrainTile::ALL_DIRTY, false);
+    BufferObjects buffers;
+    terrain->accept(buffers);
+    const osg::Vec3d middle = middleOf(place);
+    const osg::ref_ptr<osg::MatrixTransform> placed =
+        new osg::MatrixTransform(osg::Matrixd::translate(middle));
+    placed->addChild(terrain);
+    if (place.level == 0)
+        return osg::ref_ptr<osg::Node>(placed);
+
+    const auto [lowest, highest] = [&]
+    {
+        std::pair<float, float> range{std::numeric_limits<float>::max(),
+                                      std::numeric_limits<float>::lowest()};
+        for (int row = 0; row < dem.height(); ++row)
+            for (int column = 0; column < dem.width(); ++column)
+                if (dem.isValid(column, row))
+                    range = {std::min(range.first, dem.heightAt(column, row)),
+                             std::max(range.second, dem.heightAt(column, row))};
+        return range;
+    }();
+    const osg::ref_ptr<osg::PagedLOD> node = new osg::PagedLOD;
+    const double cell = std::ldexp(_source->middleEastSpacing(), place.level);
+    const double flat = 0.5 * _source->cells() *
+                        std::hypot(cell, std::ldexp(_source->northSpacing(), place.level));
+    node->setCenterMode(osg::LOD::USER_DEFINED_CENTER);
+    node->setCenter(middle + osg::Vec3d(0.0, 0.0, 0.5 * (static_cast<double>(lowest) +
+                                                         static_cast<double>(highest))));
+    node->setRadius(static_cast<osg::LOD::value_type>(
+        std::hypot(flat, 0.5 * (static_cast<double>(highest) - static_cast<double>(lowest)))));
+    // OSG's pixels are those of the radius.
+    node->setRangeMode(osg::LOD::PIXEL_SIZE_ON_SCREEN);
+    const float pixels = static_cast<float>(pixelsPerCell * _source->cells() * std::sqrt(0.5));
+    node->addChild(placed, 0.0f, pixels);
+    node->setFileName(1, std::to_string(place.level) + "/" + std::to_string(place.x) + "/" +
+                             std::to_string(place.y));
+    node->setRange(1, pixels, std::numeric_limits<float>::max());
+    const osg::ref_ptr<osgDB::Options> options = new osgDB::Options;
+    options->setReadFileCallback(this);
+    options->setObjectCacheHint(osgDB::Options::CACHE_NONE);
+    node->setDatabaseOptions(options);
+    return osg::ref_ptr<osg::Node>(node);
+}
+
+Result<osg::ref_ptr<osg::Node>> PagedTerrain::root()
+{
+    return tile({_source->root(), 0, 0});
+}
+
+osgDB::ReaderWriter::ReadResult PagedTerrain::readNode(const std::string& name,
+                                                       const osgDB::Options*)
+{
+    using ReadResult = osgDB::ReaderWriter::ReadResult;
+    Place parent{};
+    if (std::sscanf(name.c_str(), "%d/%d/%d", &parent.level, &parent.x, &parent.y) != 3 ||
+        parent.level < 1)
+        return ReadResult::FILE_NOT_FOUND;
+    try
+    {
+        const osg::ref_ptr<osg::Group> children = new osg::Group;
+        for (const int y : {0, 1})
+            for (const int x : {0, 1})
+            {
+                const Result<osg::ref_ptr<osg::Node>> child =
+                    tile({parent.level - 1, 2 * parent.x + x, 2 * parent.y + y});
+                if (!child)
+                    return ReadResult(child.error().message);
+                if (*child)
+                    children->addChild(*child);
+            }
+        return ReadResult(children.get());
+    }
+    catch (const std::bad_alloc&)
+    {
+        return ReadResult("not enough memory for terrain tile " + name);
+    }
+}
+
+} // namespace osgTerrainLight
