@@ -12,6 +12,8 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <string>
 
 namespace osgTerrainLight
@@ -55,6 +57,9 @@ public:
     Stage stage(unsigned context) const;
     void setStage(unsigned context, Stage stage);
     void fail(unsigned context, const std::string& message);
+    /// The context draws it, and it waits there where it is in no other stage.
+    void meet(unsigned context);
+    std::set<unsigned> litContexts() const;
     /// Of the first context where it failed; empty where there is none.
     std::string failure() const;
     /// Of all contexts that have drawn it.
@@ -63,6 +68,16 @@ public:
     void forget(unsigned context);
     /// What failed may be tried again.
     void retry();
+
+    /// Contexts that have other light to draw it with until its own is there (TileFades.h); none:
+    /// there is no such light. fades: its own is drawn besides.
+    void setFormer(std::optional<std::set<unsigned>> contexts, bool fades = false);
+    /// False where a context draws it that has no such light.
+    bool isFormerEverywhere() const;
+    /// The context has released its textures.
+    void forgetFormer(unsigned context);
+    /// Whether there is light to draw it with.
+    bool isDrawable(unsigned context) const;
 
     /// It is bound to the tile's StateSet, so that programs may read it.
     std::atomic<bool> glossy{false};
@@ -79,6 +94,8 @@ private:
     std::shared_ptr<const SceneLight> _light; ///< the newest that was handed on
     std::map<unsigned, Stage> _stages;
     std::map<unsigned, std::string> _failures; ///< where the stage is Failed, or was
+    std::optional<std::set<unsigned>> _former;
+    bool _fades = false;
 };
 
 } // namespace osgTerrainLight

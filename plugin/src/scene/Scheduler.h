@@ -42,7 +42,7 @@ public:
     /// Whether tile may be drawn with its shading.
     bool isLit(const LitTile& tile, unsigned context) const
     {
-        return enabled && tile.stage(context) == LitTile::Stage::Lit;
+        return enabled && tile.isDrawable(context);
     }
 
     /// False where compute() would run a step.
