@@ -352,8 +352,9 @@ TEST(ShadowEdges, FadeWithTheLightThatTheyBelongTo)
     std::vector<osg::Vec2f> places, eastern;
     for (int i = 0; i < 40 * perPost; ++i)
     {
-        places.emplace_back(static_cast<float>(i) / perPost, middleRow);
-        eastern.emplace_back(static_cast<float>(i) / perPost + 24.0f, middleRow);
+        // Both shadows are there, the other's from post 43 on, this one's from 57 on.
+        places.emplace_back(static_cast<float>(i) / perPost + 20.0f, middleRow);
+        eastern.emplace_back(static_cast<float>(i) / perPost + 44.0f, middleRow);
     }
     const auto mixed =
         [&](const Scene& own, const Scene& former, float part, const osg::Matrixf& matrix = {})

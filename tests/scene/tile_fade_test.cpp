@@ -225,6 +225,62 @@ TEST(TileFade, TheNearestTileAboveCounts)
             << place;
 }
 
+namespace
+{
+/// A geocentric tile about 10 degrees east and 60 north, moved to the origin: extents in parts of
+/// half of the tile above, −1 … 1.
+osg::ref_ptr<osg::MatrixTransform> onGlobe(const DemTile& dem, const osgTerrain::TileID& id,
+                                           double west, double south)
+{
+    const osg::EllipsoidModel body;
+    const double longitude = osg::DegreesToRadians(10.0), latitude = osg::DegreesToRadians(60.0);
+    osg::Matrixd toWorld;
+    body.computeLocalToWorldTransformFromLatLongHeight(latitude, longitude, 0.0, toWorld);
+    // Radians per metre: near enough for 320 m, since both tiles have the same error.
+    const double north = reach / 6382000.0;
+    const double east = reach / (6394000.0 * std::cos(latitude));
+    osg::ref_ptr<osgTerrain::Locator> locator = new osgTerrain::Locator;
+    locator->setCoordinateSystemType(osgTerrain::Locator::GEOCENTRIC);
+    locator->setTransformAsExtents(longitude + west * east, latitude + south * north,
+                                   longitude + east, latitude + north);
+    const osg::ref_ptr<osg::Node> terrain = createTerrain(dem);
+    auto& tile = dynamic_cast<osgTerrain::TerrainTile&>(*terrain->asGroup()->getChild(0));
+    tile.setUserData(nullptr); // it knows a flat place
+    tile.setTileID(id);
+    tile.setLocator(locator);
+    tile.getElevationLayer()->setLocator(locator);
+    osg::ref_ptr<osg::MatrixTransform> place =
+        new osg::MatrixTransform(osg::Matrixd::inverse(toWorld));
+    osg::ref_ptr<osg::Group> group = new osg::Group;
+    group->addChild(&tile);
+    place->addChild(group);
+    return place;
+}
+} // namespace
+
+// Expected: as for projected tiles. The way from tile to tile is affine in longitude and latitude.
+TEST(TileFade, ANewTileOfAGlobeBeginsWithTheLightAbove)
+{
+    OTL_NEED_GL(context);
+    Flight flight;
+    osg::ref_ptr<osg::Switch> parent = new osg::Switch;
+    parent->addChild(
+        onGlobe(analytic::cone(33, 33, 20.0, 16, 16, 200.0, 300.0), {1, 0, 0}, -1.0, -1.0));
+    flight.lighting->addChild(parent);
+    flight.fly(4);
+    const Pixels from = flight.pixels();
+    const auto child = onGlobe(analytic::plane(33, 33, 10.0, 0.0), {2, 1, 1}, 0.0, 0.0);
+    parent->setAllChildrenOff();
+    flight.lighting->addChild(child);
+    flight.lighting->setTimeBudget(1.0e-6);
+    flight.fly();
+    EXPECT_TRUE(textureOf(*child, ShadingTexture::formerUnit));
+    EXPECT_LE(difference(flight.pixels(), from), 1.0);
+    flight.lighting->setTimeBudget(0.0);
+    flight.fly(6);
+    EXPECT_GT(difference(flight.pixels(), from), 40.0);
+}
+
 // Expected: the light above does not go with its tile before the fade is over, and then does: its
 // texture is not in OpenGL any more.
 TEST(TileFade, LightAboveIsKeptAsLongAsItFades)
