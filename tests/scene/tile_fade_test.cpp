@@ -197,8 +197,33 @@ TEST(TileFade, ANewTileBeginsWithTheLightAboveAndFades)
     EXPECT_EQ(takeGlErrors(), "");
 }
 
-// Expected: as above with a tile of a quarter of the side, whose own parent is not there; it covers
-// the south-western quarter of the quarter.
+namespace
+{
+/// Mean red about a place, as ScenePicture::redAt().
+double redIn(const Pixels& pixels, double x, double y)
+{
+    constexpr int size = ScenePicture::size;
+    const auto pixel = [](double place)
+    { return static_cast<int>(std::lround((0.5 + 0.5 * place) * (size - 1))); };
+    double sum = 0.0;
+    for (int j = -3; j <= 3; ++j)
+        for (int i = -3; i <= 3; ++i)
+            sum += pixels.at(static_cast<std::size_t>(4 * ((pixel(y) + j) * size + pixel(x) + i)));
+    return sum / 49.0;
+}
+
+/// In the south-western quarter of the quarter.
+double differenceInQuarter(const Pixels& a, const Pixels& b)
+{
+    double most = 0.0;
+    for (const double place : {0.1, 0.25, 0.4})
+        most =
+            std::max(most, std::abs(redIn(a, place, 0.5 - place) - redIn(b, place, 0.5 - place)));
+    return most;
+}
+} // namespace
+
+// Expected: as above with a tile of a quarter of the side, whose own parent is not there.
 TEST(TileFade, TheNearestTileAboveCounts)
 {
     OTL_NEED_GL(context);
@@ -206,23 +231,28 @@ TEST(TileFade, TheNearestTileAboveCounts)
     const Pixels from = flight.begin();
     flight.replace(below({3, 2, 2}, reach / 2.0));
     flight.fly();
-    for (const double place : {0.1, 0.25, 0.4})
-        EXPECT_NEAR(
-            flight.picture.redAt(place, 0.5 - place),
-            [&]
-            {
-                constexpr int size = ScenePicture::size;
-                const auto pixel = [](double x)
-                { return static_cast<int>(std::lround((0.5 + 0.5 * x) * (size - 1))); };
-                double sum = 0.0;
-                for (int j = -3; j <= 3; ++j)
-                    for (int i = -3; i <= 3; ++i)
-                        sum += from.at(static_cast<std::size_t>(
-                            4 * ((pixel(0.5 - place) + j) * size + pixel(place) + i)));
-                return sum / 49.0;
-            }(),
-            1.0)
-            << place;
+    EXPECT_LE(differenceInQuarter(flight.pixels(), from), 1.0);
+}
+
+// Expected: below a tile that fades, the light that has the larger part there; 1 as above.
+TEST(TileFade, BelowATileThatFadesTheNearerLightCounts)
+{
+    OTL_NEED_GL(context);
+    const Pixels own = ofItself();
+    for (const bool early : {true, false})
+    {
+        Flight flight;
+        const Pixels from = flight.begin();
+        ASSERT_GT(differenceInQuarter(own, from), 10.0);
+        const osg::ref_ptr<osg::Switch> middle = new osg::Switch;
+        middle->addChild(below());
+        flight.replace(middle);
+        flight.fly(steps + (early ? 1 : 3)); // the last drew parts of 0 or 0.5
+        middle->setAllChildrenOff();
+        flight.lighting->addChild(below({3, 2, 2}, reach / 2.0));
+        flight.fly(); // of 0.25 or 0.75, had it been drawn
+        EXPECT_LE(differenceInQuarter(flight.pixels(), early ? from : own), 1.0);
+    }
 }
 
 namespace

@@ -116,7 +116,9 @@ std::optional<FormerLight> TileFades::above(const SceneTile& tile) const
         const SceneTile* other = _registry.find(handle);
         if (!other || !other->terrain)
             continue;
-        std::optional<FormerLight> light = lightOf(*other);
+        // Of the two lights that a tile fades between the nearer one.
+        const bool early = other->former && other->former->fading && part(*other) < 0.5;
+        std::optional<FormerLight> light = early ? other->former : lightOf(*other);
         const std::optional<osg::Matrixd> way = light ? wayTo(tile, *other) : std::nullopt;
         if (!way)
             continue;
@@ -174,12 +176,17 @@ bool TileFades::follow(SceneTile& tile) const
     }
     if (!isLit)
         return true;
-    const double passed = _now - *former.fading;
-    if (passed >= seconds)
-        end(tile);
+    if (const double own = part(tile); own < 1.0)
+        tile.binding->setFade(own);
     else
-        tile.binding->setFade(passed / seconds);
+        end(tile);
     return tile.former.has_value();
+}
+
+double TileFades::part(const SceneTile& tile) const
+{
+    const double passed = _now - *tile.former->fading;
+    return passed < seconds ? passed / seconds : 1.0;
 }
 
 /// By simulation time, so that a flight that is recorded with a fixed time per frame is the same

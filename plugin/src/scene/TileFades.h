@@ -42,6 +42,8 @@ public:
 
 private:
     std::optional<FormerLight> above(const SceneTile& tile) const;
+    /// Of its own light, 0 … 1. Precondition: it fades.
+    double part(const SceneTile& tile) const;
     /// False where it need not be looked at again.
     bool follow(SceneTile& tile) const;
     void advance(const osg::FrameStamp* stamp);
