@@ -7,12 +7,15 @@ uniform sampler2DArray osgTerrainLight_gloss;
 uniform sampler2D osgTerrainLight_shading;
 uniform vec3 osgTerrainLight_sunDirection;     // unit: x east, y north, z up
 uniform vec3 osgTerrainLight_sunIrradiance;    // on a surface that faces it; 0 where there is none
+uniform float osgTerrainLight_formerPart; // as in terrain_shading.glsl; former light has no gloss
 
 // coordinate: as terrainShading's. toViewer: unit, in the tile's frame: x east, y north, z up.
 // Scene-linear radiance sent there by gloss: sky and terrain through harmonics of order 4, the sun
 // sharply.
 vec3 terrainGloss(vec2 coordinate, vec3 toViewer)
 {
+    if (osgTerrainLight_formerPart >= 1.0)
+        return vec3(0.0);
     ShVector basis = shBasis(toViewer);
     vec3 sent = vec3(0.0);
     for (int c = 0; c < 3; ++c)
@@ -27,5 +30,6 @@ vec3 terrainGloss(vec2 coordinate, vec3 toViewer)
     float cosine = max(dot(mirror, osgTerrainLight_sunDirection), 1.0e-6);
     float lobe = (surface.w + 1.0) / (2.0 * PI) * pow(cosine, surface.w);
     // Order 4 rings below 0.
-    return max(sent, 0.0) + osgTerrainLight_sunIrradiance * (visible * surface.z * lobe);
+    sent = max(sent, 0.0) + osgTerrainLight_sunIrradiance * (visible * surface.z * lobe);
+    return sent * (1.0 - osgTerrainLight_formerPart);
 }

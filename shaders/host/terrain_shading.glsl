@@ -13,6 +13,14 @@ uniform sampler2D osgTerrainLight_edges;
 uniform vec2 osgTerrainLight_posts;         // texels of it
 uniform vec3 osgTerrainLight_sunIrradiance; // on a surface that faces the sun
 
+// Until the tile's own light is there, and while it fades in: the light that the tile had before,
+// or that of a tile above it.
+uniform float osgTerrainLight_formerPart;      // of the former light, 1 ... 0; at 0 it is not read
+uniform sampler2D osgTerrainLight_former;      // as osgTerrainLight_shading
+uniform mat4 osgTerrainLight_formerMatrix;     // from the tile's texture coordinates to its own
+uniform sampler2D osgTerrainLight_formerEdges; // as osgTerrainLight_edges
+uniform vec2 osgTerrainLight_formerPosts;      // texels of them; 0 where there are none
+
 // source: vec4 of what the tile was bound with, the vertex position or the tile coordinates, which
 // run from (0, 0) at the south-western post to (1, 1) at the north-eastern one. Affine: may be
 // computed per vertex.
@@ -40,23 +48,23 @@ float terrainSunSeen(vec4 edge)
 
 // How much more of the sun a place sees than is found between the posts' fractions, and the
 // irradiance / pi of all of it. The height over the shadow is bilinear; the fraction is not.
-vec2 terrainShadowEdge(vec2 coordinate)
+vec2 terrainShadowEdge(sampler2D edges, vec2 posts, vec2 coordinate)
 {
-    vec2 place = coordinate * osgTerrainLight_posts - 0.5;
-    vec2 first = clamp(floor(place), vec2(0.0), max(osgTerrainLight_posts - 2.0, 0.0));
+    vec2 place = coordinate * posts - 0.5;
+    vec2 first = clamp(floor(place), vec2(0.0), max(posts - 2.0, 0.0));
     vec2 weight = clamp(place - first, 0.0, 1.0);
-    vec2 low = (first + 0.5) / osgTerrainLight_posts;
-    vec2 high = low + 1.0 / osgTerrainLight_posts;
-    vec4 southWest = terrainTexel(osgTerrainLight_edges, low);
-    vec4 southEast = terrainTexel(osgTerrainLight_edges, vec2(high.x, low.y));
-    vec4 northWest = terrainTexel(osgTerrainLight_edges, vec2(low.x, high.y));
-    vec4 northEast = terrainTexel(osgTerrainLight_edges, high);
+    vec2 low = (first + 0.5) / posts;
+    vec2 high = low + 1.0 / posts;
+    vec4 southWest = terrainTexel(edges, low);
+    vec4 southEast = terrainTexel(edges, vec2(high.x, low.y));
+    vec4 northWest = terrainTexel(edges, vec2(low.x, high.y));
+    vec4 northEast = terrainTexel(edges, high);
     vec4 weights = vec4((1.0 - weight.x) * (1.0 - weight.y), weight.x * (1.0 - weight.y),
                         (1.0 - weight.x) * weight.y, weight.x * weight.y);
-    mat4 posts = mat4(southWest, southEast, northWest, northEast);
+    mat4 corners = mat4(southWest, southEast, northWest, northEast);
     vec4 seen = vec4(terrainSunSeen(southWest), terrainSunSeen(southEast),
                      terrainSunSeen(northWest), terrainSunSeen(northEast));
-    vec4 here = posts * weights;
+    vec4 here = corners * weights;
     // A post that sees all of the sun may know nearer ground instead of the crest whose shadow ends
     // beside it. An edge is no sharper there than nearer to its crest.
     vec4 softness = vec4(southWest.y, southEast.y, northWest.y, northEast.y);
@@ -73,15 +81,42 @@ vec2 terrainShadowEdge(vec2 coordinate)
     return vec2((terrainSunSeen(here) - between) * certain * certain, here.z);
 }
 
-// Scene-linear. Bilinear between posts, but for the edge of the sun's shadow where it is on.
-vec4 terrainShading(vec2 coordinate)
+// Light with the edge of the sun's shadow: no more sunlight goes than is there, nor comes than can
+// be.
+vec4 terrainAtEdge(vec4 shading, vec2 edge)
+{
+    float seen = clamp(shading.a + edge.x, 0.0, 1.0);
+    vec3 change = osgTerrainLight_sunIrradiance * ((seen - shading.a) * edge.y);
+    return vec4(max(shading.rgb + change, 0.0), seen);
+}
+
+vec4 terrainOwnShading(vec2 coordinate)
 {
     vec4 shading = terrainTexel(osgTerrainLight_shading, coordinate);
     if (!osgTerrainLight_hasEdges)
         return shading;
-    vec2 edge = terrainShadowEdge(coordinate);
-    // No more sunlight goes than is there, nor comes than there can be.
-    float seen = clamp(shading.a + edge.x, 0.0, 1.0);
-    vec3 change = osgTerrainLight_sunIrradiance * ((seen - shading.a) * edge.y);
-    return vec4(max(shading.rgb + change, 0.0), seen);
+    return terrainAtEdge(shading, terrainShadowEdge(osgTerrainLight_edges, osgTerrainLight_posts,
+                                                    coordinate));
+}
+
+vec4 terrainFormerShading(vec2 coordinate)
+{
+    vec2 place = (osgTerrainLight_formerMatrix * vec4(coordinate, 0.0, 1.0)).xy;
+    vec4 shading = terrainTexel(osgTerrainLight_former, place);
+    if (osgTerrainLight_formerPosts.x < 1.0)
+        return shading;
+    return terrainAtEdge(shading, terrainShadowEdge(osgTerrainLight_formerEdges,
+                                                    osgTerrainLight_formerPosts, place));
+}
+
+// Scene-linear. Bilinear between posts, but for the edge of the sun's shadow where it is on.
+vec4 terrainShading(vec2 coordinate)
+{
+    if (osgTerrainLight_formerPart <= 0.0)
+        return terrainOwnShading(coordinate);
+    vec4 former = terrainFormerShading(coordinate);
+    // Light that is not computed yet may be anything, NaN too.
+    if (osgTerrainLight_formerPart >= 1.0)
+        return former;
+    return mix(terrainOwnShading(coordinate), former, osgTerrainLight_formerPart);
 }

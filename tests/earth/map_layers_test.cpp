@@ -41,7 +41,7 @@ const DemTile& tileOf(const TerrainModel& model)
         void apply(osg::Node& node) override
         {
             if (const auto* data = dynamic_cast<const DemData*>(node.getUserData()))
-                tile = &data->tile;
+                tile = &data->tile();
             traverse(node);
         }
         const DemTile* tile = nullptr;

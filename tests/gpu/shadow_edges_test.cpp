@@ -19,6 +19,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <utility>
 #include <vector>
@@ -34,9 +35,18 @@ constexpr double spacing = 10.0; // [m]
 constexpr int width = 96, height = 9, wallColumn = 64, middleRow = 4;
 constexpr int perPost = 32; // places looked at between two posts
 
+/// What a tile's light fades from, and how much of that is there.
+struct Former
+{
+    const TileLight& tile;
+    float part;
+    osg::Matrixf matrix;
+};
+
 /// terrainShading(), rgba, at places of a lit tile [posts].
 std::vector<osg::Vec4f> shadingAt(osg::State& state, const TileLight& tile, const SkyLight& sky,
-                                  const std::vector<osg::Vec2f>& places)
+                                  const std::vector<osg::Vec2f>& places,
+                                  const Former* former = nullptr)
 {
     static int count = 0;
     const std::string name = "test_edges_" + std::to_string(++count);
@@ -75,6 +85,18 @@ void main()
               osg::Vec2f(static_cast<float>(tile.width()), static_cast<float>(tile.height())));
     pass->set(ShadingTexture::sunIrradiance,
               osg::Vec3f(sky.sunIrradiance[0], sky.sunIrradiance[1], sky.sunIrradiance[2]));
+    if (former)
+    {
+        const osg::ref_ptr<osg::Texture2D> formerEdges = former->tile.shadowEdges();
+        pass->reads(ShadingTexture::formerSampler, former->tile.shading());
+        pass->reads(ShadingTexture::formerEdgeSampler, formerEdges.get());
+        pass->set(ShadingTexture::formerPart, former->part);
+        pass->set(new osg::Uniform(ShadingTexture::formerMatrix, former->matrix));
+        if (formerEdges)
+            pass->set(ShadingTexture::formerPosts,
+                      osg::Vec2f(static_cast<float>(former->tile.width()),
+                                 static_cast<float>(former->tile.height())));
+    }
     const Status done = pass->dispatch(state, {GpuPass::groupsFor(number, 32), 1, 1});
     EXPECT_TRUE(done.ok()) << (done ? "" : done.error().message);
     const std::vector<float> values = readFloats(state, *target, 4);
@@ -314,6 +336,61 @@ TEST(ShadowEdges, ChangeNothingAtPostsAndCostNothingWhereTheyAreOff)
     on.tile->setSky(night);
     ASSERT_TRUE(on.tile->update(context->state()).ok());
     EXPECT_FALSE(on.tile->shadowEdges());
+}
+
+// Expected: at part 0 own light and at part 1 former light, to the last bit, whatever is in the
+// other's texture, NaN too; between, their mixture, edges included. Half of the former tile lies in
+// this one: places there are those of the former tile, within the rounding of a coordinate, 2e-3 as
+// above.
+TEST(ShadowEdges, FadeWithTheLightThatTheyBelongTo)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    const Scene sharp(12.0, 10.0, true), other(37.0, 10.0, true), blurred(12.0, 10.0, false);
+    for (const Scene* scene : {&sharp, &other, &blurred})
+        ASSERT_TRUE(scene->tile->update(state).ok());
+    std::vector<osg::Vec2f> places, eastern;
+    for (int i = 0; i < 40 * perPost; ++i)
+    {
+        // Both shadows are there, the other's from post 43 on, this one's from 57 on.
+        places.emplace_back(static_cast<float>(i) / perPost + 20.0f, middleRow);
+        eastern.emplace_back(static_cast<float>(i) / perPost + 44.0f, middleRow);
+    }
+    const auto mixed =
+        [&](const Scene& own, const Scene& former, float part, const osg::Matrixf& matrix = {})
+    {
+        const Former light{*former.tile, part, matrix};
+        return shadingAt(state, *own.tile, sharp.sky, places, &light);
+    };
+    const auto alone = [&](const Scene& scene) -> std::vector<osg::Vec4f>
+    { return shadingAt(state, *scene.tile, sharp.sky, places); };
+    EXPECT_EQ(mixed(sharp, other, 0.0f), alone(sharp));
+    EXPECT_EQ(mixed(sharp, other, 1.0f), alone(other));
+    EXPECT_EQ(mixed(blurred, sharp, 1.0f), alone(sharp));
+    EXPECT_EQ(mixed(sharp, blurred, 1.0f), alone(blurred));
+    const std::vector<osg::Vec4f> own = alone(sharp), before = alone(other);
+    const std::vector<osg::Vec4f> half = mixed(sharp, other, 0.75f);
+    const std::vector<osg::Vec4f> moved =
+        mixed(sharp, other, 1.0f, osg::Matrixf::translate(24.0f / width, 0.0f, 0.0f));
+    const std::vector<osg::Vec4f> there = shadingAt(state, *other.tile, sharp.sky, eastern);
+    for (std::size_t i = 0; i < own.size(); ++i)
+        for (unsigned c = 0; c < 4; ++c)
+        {
+            // Two roundings of floats of up to 1.
+            EXPECT_NEAR(half[i][c], 0.25f * own[i][c] + 0.75f * before[i][c], 2.0e-6) << i;
+            EXPECT_NEAR(moved[i][c], there[i][c], 2.0e-3) << i;
+        }
+
+    // Light that is not computed yet.
+    osg::Texture2D& texture = *blurred.tile->shading();
+    const std::vector<float> nan(4 * std::size_t(width) * height,
+                                 std::numeric_limits<float>::quiet_NaN());
+    state.setActiveTextureUnit(0);
+    texture.apply(state);
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, height, GL_RGBA, GL_FLOAT, nan.data());
+    EXPECT_TRUE(std::isnan(alone(blurred)[0].x()));
+    EXPECT_EQ(mixed(blurred, other, 1.0f), before);
+    EXPECT_EQ(mixed(other, blurred, 0.0f), before);
 }
 
 // In a cell with a void corner, and on a tile of one row or one column, light is that of the

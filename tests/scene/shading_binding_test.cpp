@@ -89,6 +89,44 @@ TEST(ShadingBinding, GivesBackWhatItReplaced)
                 EXPECT_FALSE(stateSet->getTextureAttribute(ShadingTexture::edgeUnit,
                                                            osg::StateAttribute::TEXTURE));
             }
+            FormerLight former;
+            former.shading = shadingTexture();
+            former.edges = shadingTexture();
+            const auto numberOf = [&](const char* name)
+            {
+                float found = -1.0f;
+                stateSet->getUniform(name)->get(found);
+                return found;
+            };
+            const auto unitOf = [&](const char* name)
+            {
+                int found = -1;
+                stateSet->getUniform(name)->get(found);
+                return static_cast<unsigned>(found);
+            };
+            EXPECT_EQ(unitOf(ShadingTexture::formerSampler), unit);
+            EXPECT_EQ(unitOf(ShadingTexture::formerEdgeSampler), unit);
+            EXPECT_EQ(numberOf(ShadingTexture::formerPart), 0.0f);
+            if (unit != ShadingTexture::formerUnit) // TileFades leaves it alone
+            {
+                binding.setFormer(former, osg::Matrixd());
+                EXPECT_EQ(numberOf(ShadingTexture::formerPart), 1.0f);
+                EXPECT_EQ(unitOf(ShadingTexture::formerSampler), ShadingTexture::formerUnit);
+                EXPECT_EQ(unitOf(ShadingTexture::formerEdgeSampler),
+                          ShadingTexture::formerEdgeUnit);
+                binding.setFade(0.25);
+                EXPECT_EQ(numberOf(ShadingTexture::formerPart), 0.75f);
+            }
+            if (unit == 3u)
+            {
+                binding.setFade(1.0);
+                EXPECT_EQ(numberOf(ShadingTexture::formerPart), 0.0f);
+                EXPECT_EQ(unitOf(ShadingTexture::formerSampler), unit);
+                for (const unsigned each :
+                     {ShadingTexture::formerUnit, ShadingTexture::formerEdgeUnit})
+                    EXPECT_FALSE(stateSet->getTextureAttribute(each, osg::StateAttribute::TEXTURE));
+                EXPECT_EQ(former.shading->referenceCount(), 1);
+            }
             if (unit == 1u) // taken off with the rest, and before it
                 binding.setGloss(nullptr, ShadingTexture::glossUnit);
             EXPECT_EQ(stateSet->getDataVariance(), osg::Object::DYNAMIC);

@@ -3,13 +3,13 @@
 
 #include "gpu/Textures.h"
 #include "scene/ShadingBinding.h"
-#include "terrain/TerrainModel.h"
 #include "scene/TerrainTileReader.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"
 #include "support/ShaderFolder.h"
 #include "support/TestFolder.h"
+#include "terrain/TerrainModel.h"
 
 #include <osg/MatrixTransform>
 #include <osgDB/ReadFile>
@@ -582,6 +582,7 @@ TEST(TerrainLighting, EditedHeightsAreLitAnew)
 {
     OTL_NEED_GL(context);
     osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 16);
+    lighting->setFadeSeconds(0.0); // TileFade tests fades
     osg::ref_ptr<osg::Node> terrain = createTerrain(analytic::plane(65, 65, 10.0, 0.0));
     lighting->addChild(terrain);
     ScenePicture picture(lighting, reach);
@@ -766,7 +767,10 @@ TEST(TerrainLighting, RefusesValuesOutsideTheirRange)
     EXPECT_EQ(lighting->getSettings().azimuths, LightingSettings().azimuths);
     lighting->setTimeBudget(std::nan(""));
     EXPECT_EQ(lighting->getTimeBudget(), 50.0);
-    EXPECT_EQ(said.count("not set"), 6) << said.text();
+    for (const double seconds : {-0.1, 3601.0, std::nan("")})
+        lighting->setFadeSeconds(seconds);
+    EXPECT_EQ(lighting->getFadeSeconds(), 0.5);
+    EXPECT_EQ(said.count("not set"), 9) << said.text();
 }
 
 TEST(TerrainLighting, GoesThroughAFileAndBack)
@@ -797,6 +801,7 @@ TEST(TerrainLighting, GoesThroughAFileAndBack)
     settings.glossViewer = {0.0, 1.0, 2.0};
     lighting->setSettings(settings);
     lighting->setLightEnabled(false);
+    lighting->setFadeSeconds(0.25);
     lighting->setTextureUnit(4);
     lighting->setGlossLayer(3);
     lighting->addEventCallback(new LightingHandler);
@@ -827,6 +832,7 @@ TEST(TerrainLighting, GoesThroughAFileAndBack)
         EXPECT_EQ(read->getSettings().exposure, -1.5);
         EXPECT_FALSE(read->getLightEnabled());
         EXPECT_EQ(read->getTimeBudget(), 0.0);
+        EXPECT_EQ(read->getFadeSeconds(), 0.25);
         EXPECT_EQ(read->getTextureUnit(), 4u);
         EXPECT_EQ(read->getGlossLayer(), 3);
         EXPECT_EQ(read->getSettings().gloss, 0.25);
@@ -849,6 +855,7 @@ TEST(TerrainLighting, CopiesHaveWhatTheHeaderSays)
     lighting->setTime(UtcTime());
     lighting->setLightEnabled(false);
     lighting->setTimeBudget(7.0);
+    lighting->setFadeSeconds(1.5);
     lighting->setTextureUnit(9);
     lighting->setGlossUnit(10);
     lighting->setGlossLayer(2);
@@ -865,6 +872,7 @@ TEST(TerrainLighting, CopiesHaveWhatTheHeaderSays)
     EXPECT_EQ(copy->getTime(), lighting->getTime());
     EXPECT_FALSE(copy->getLightEnabled());
     EXPECT_EQ(copy->getTimeBudget(), 7.0);
+    EXPECT_EQ(copy->getFadeSeconds(), 1.5);
     EXPECT_EQ(copy->getTextureUnit(), 9u);
     EXPECT_EQ(copy->getGlossUnit(), 10u);
     EXPECT_EQ(copy->getGlossLayer(), 2);
@@ -886,8 +894,9 @@ TEST(TerrainTileReader, MeasuresGeographicAndGeocentricTilesInMetres)
         locator->setCoordinateSystemType(type);
         locator->setTransformAsExtents(10.0 * degrees, 60.0 * degrees, 10.1 * degrees,
                                        60.1 * degrees);
-        const Result<DemTile> dem = readTerrainTile(*tileWith(locator, 101), {});
-        ASSERT_TRUE(dem) << dem.error().message;
+        const Result<TerrainHeights> heights = readTerrainTile(*tileWith(locator, 101), {});
+        ASSERT_TRUE(heights) << heights.error().message;
+        const DemTile* dem = &heights->dem;
         // WGS 84: a thousandth of a degree at 60.05 degrees north is 111.414 m north, and at 60 and
         // 60.1 degrees 55.800 m and 55.631 m east.
         EXPECT_NEAR(dem->northSpacing, 111.414, 0.01);

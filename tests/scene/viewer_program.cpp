@@ -8,6 +8,7 @@
 #include "terrain/TerrainModel.h"
 #include "support/AnalyticTerrain.h"
 
+#include <osg/MatrixTransform>
 #include <osgTerrain/TerrainTile>
 #include <osgViewer/CompositeViewer>
 
@@ -81,6 +82,7 @@ public:
     void stillScene();
     void anotherLightInEveryFrame();
     void tilesComeAndGo();
+    void levelsComeAndGo();
     void editsOfWhatIsDrawn();
     void heightsThatChange();
     void aRunningClock();
@@ -199,6 +201,42 @@ void Windows::tilesComeAndGo()
         _viewer.frame();
     }
     check(false, "after tiles came and went");
+}
+
+/// Tiles below a lit one, which wait with its light, fade, and go before and after they have; the
+/// lit one goes and comes meanwhile.
+void Windows::levelsComeAndGo()
+{
+    const auto tile = [this](int level, double down)
+    {
+        const osg::ref_ptr<osg::Node> terrain = createTerrain(_cone);
+        dynamic_cast<osgTerrain::TerrainTile&>(*terrain->asGroup()->getChild(0))
+            .setTileID(osgTerrain::TileID(level, 0, 0));
+        osg::ref_ptr<osg::MatrixTransform> place =
+            new osg::MatrixTransform(osg::Matrix::translate(0.0, 0.0, -down));
+        place->addChild(terrain);
+        return place;
+    };
+    _lighting->setFadeSeconds(0.02);
+    osg::ref_ptr<osg::MatrixTransform> above = tile(1, 1000.0);
+    _lighting->addChild(above);
+    settle();
+    for (int i = 0; i < 30; ++i)
+    {
+        const osg::ref_ptr<osg::MatrixTransform> below = tile(2, 500.0);
+        _lighting->addChild(below);
+        frames(1 + i % 7);
+        if (i % 5 == 0)
+        {
+            _lighting->removeChild(above);
+            frames(1 + i % 4);
+            _lighting->addChild(above = tile(1, 1000.0));
+            frames(2);
+        }
+        _lighting->removeChild(below);
+    }
+    _lighting->removeChild(above);
+    check(false, "after levels came and went");
 }
 
 /// What is being drawn is bound, changed and left again: a host's own, and a tile's heights.
@@ -332,6 +370,7 @@ int main(int argc, char** argv)
     windows.stillScene();
     windows.anotherLightInEveryFrame();
     windows.tilesComeAndGo();
+    windows.levelsComeAndGo();
     windows.editsOfWhatIsDrawn();
     windows.heightsThatChange();
     windows.aRunningClock();

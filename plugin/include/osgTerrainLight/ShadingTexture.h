@@ -47,6 +47,19 @@ struct ShadingTexture
     /// The bool that says whether it is there, and the vec2 number of its texels.
     static constexpr const char* hasEdges = "osgTerrainLight_hasEdges";
     static constexpr const char* posts = "osgTerrainLight_posts";
+    /// The light that a tile has until its own is there, and fades from (SHADERS.md, "Light that
+    /// fades in"): the float part that it has, 1 … 0; the texture units and sampler2Ds of its
+    /// shading and of its edges of shadows, which are as those above; the mat4 that leads from the
+    /// texture coordinates of the tile's shading to those of it; and the vec2 number of texels of
+    /// its edges, 0 where there are none. Only a tile that fades uses the units.
+    /// terrain_shading.glsl reads them.
+    static constexpr const char* formerPart = "osgTerrainLight_formerPart";
+    static constexpr unsigned formerUnit = 9;
+    static constexpr const char* formerSampler = "osgTerrainLight_former";
+    static constexpr const char* formerMatrix = "osgTerrainLight_formerMatrix";
+    static constexpr unsigned formerEdgeUnit = 10;
+    static constexpr const char* formerEdgeSampler = "osgTerrainLight_formerEdges";
+    static constexpr const char* formerPosts = "osgTerrainLight_formerPosts";
     /// The mat3 that leads from the axes of the vertices to those of the tile: x east, y north, z
     /// up.
     static constexpr const char* frame = "osgTerrainLight_frame";

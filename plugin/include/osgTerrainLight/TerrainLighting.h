@@ -44,11 +44,11 @@ class OSGTERRAINLIGHT_EXPORT TerrainLighting : public osg::Group
 {
 public:
     TerrainLighting();
-    /// A copy has the same light, place, time, settings, budget, texture units, gloss layer and
-    /// switches, and the children that copyop gives it. Terrain tiles that are copied with it get
-    /// light of their own. A terrain tile that stands below both lightings (SHALLOW_COPY) keeps the
-    /// light of the original; the copy gives a warning, and lights the tile once the original has
-    /// let it go. Tiles of addTile(), probes, counts and event callbacks are not copied.
+    /// A copy has the same light, place, time, settings, budget, fade, texture units, gloss layer
+    /// and switches, and the children that copyop gives it. Terrain tiles that are copied with it
+    /// get light of their own. A terrain tile that stands below both lightings (SHALLOW_COPY) keeps
+    /// the light of the original; the copy gives a warning, and lights the tile once the original
+    /// has let it go. Tiles of addTile(), probes, counts and event callbacks are not copied.
     TerrainLighting(const TerrainLighting& other,
                     const osg::CopyOp& copyop = osg::CopyOp::SHALLOW_COPY);
     META_Node(osgTerrainLight, TerrainLighting);
@@ -85,6 +85,16 @@ public:
     /// or as if this node were a plain group.
     void setTimeBudget(double milliseconds);
     double getTimeBudget() const;
+
+    /// Sets how long the light of an osgTerrain tile takes to fade in [s], 0 … 3600. The default is
+    /// 0.5; 0 shows new light as soon as it is there. A tile that is lit anew keeps the light that
+    /// it had, and a new tile below a lit one (by level, x and y of its TileID) has the light of
+    /// that, until its own has been computed; then it fades. Other tiles are lit at once. The
+    /// frames' simulation time counts, or their reference time where that stands still. Changes of
+    /// the sun, the sky and the settings are shown at once. Other values are refused with a
+    /// warning.
+    void setFadeSeconds(double seconds);
+    double getFadeSeconds() const;
 
     /// Sets the texture unit of the shading texture, 0 … 31; the default is
     /// ShadingTexture::defaultUnit. Tiles that are lit already keep theirs. Other units are refused

@@ -49,7 +49,7 @@ struct TileState
     enum class Stage
     {
         Unknown, ///< The lighting has no such tile.
-        Waiting, ///< It is drawn unlit until its turn comes.
+        Waiting, ///< Until its turn comes it is drawn unlit, or with former light.
         Lit,
         Failed ///< It is drawn unlit.
     };

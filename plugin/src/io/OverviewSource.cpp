@@ -36,9 +36,8 @@ PostRect within(const PostRect& posts, int level)
 OverviewSource::OverviewSource() = default;
 OverviewSource::~OverviewSource() = default;
 
-Result<std::unique_ptr<OverviewSource>> OverviewSource::open(const std::string& path,
-                                                             const DemReadOptions& options,
-                                                             int cellsLog2)
+Result<std::unique_ptr<OverviewSource>>
+OverviewSource::open(const std::string& path, const DemReadOptions& options, int cellsLog2)
 {
     assert(!options.window);
     auto heights = RasterHeights::open(path, options, true, std::numeric_limits<double>::max());

@@ -20,8 +20,8 @@ class RasterHeights;
 /// Terrain of a GDAL raster of any size as a quadtree, opened without reading it: what a viewer
 /// needs, where RasterSource reads all of the raster once and is exact.
 ///
-/// Tiles of a level are 2^cellsLog2 cells (one more post) a side; the coarsest level, root(), is one
-/// tile. The raster lies in the north-west of that, so that posts of every level are those that
+/// Tiles of a level are 2^cellsLog2 cells (one more post) a side; the coarsest level, root(), is
+/// one tile. The raster lies in the north-west of that, so that posts of every level are those that
 /// overviews by the nearest pixel hold, and are read from them. Posts of overviews made otherwise
 /// are taken as they are: an average stands half a post of its level to the south-east. Coarse
 /// levels around tiles (readLevel) are crests of posts two levels finer, at most: what lies between
@@ -30,9 +30,8 @@ class OverviewSource : public TileSource
 {
 public:
     /// options: window, progress and maxPosts do not count.
-    static Result<std::unique_ptr<OverviewSource>> open(const std::string& path,
-                                                        const DemReadOptions& options,
-                                                        int cellsLog2 = 8);
+    static Result<std::unique_ptr<OverviewSource>>
+    open(const std::string& path, const DemReadOptions& options, int cellsLog2 = 8);
     ~OverviewSource() override;
 
     int root() const { return _root; }

@@ -210,7 +210,7 @@ Result<HeightRules> RasterHeights::surveyEvery(int level)
         strip.height = reader->stripRows(strip);
     std::vector<double> values(static_cast<std::size_t>(strip.width) *
                                static_cast<std::size_t>(strip.height));
-    for (; strip.row < reader->height(); strip.row += step > 1 ? step : strip.height)
+    for (; strip.row<reader->height(); strip.row += step> 1 ? step : strip.height)
     {
         strip.height = std::min(strip.height, reader->height() - strip.row);
         if (!reader->read(strip, values.data(), true))
@@ -266,8 +266,8 @@ Result<Raster<float>> RasterHeights::readEvery(int level, int column, int row, i
             const double metres =
                 _rules.metresOf(stored[static_cast<std::size_t>(pixel - left)], info());
             if (!std::isnan(metres))
-                result.at(x, y) = placed(_rules.heightOf(metres) * _heightFactor,
-                                         column + x * step, row + y * step);
+                result.at(x, y) = placed(_rules.heightOf(metres) * _heightFactor, column + x * step,
+                                         row + y * step);
         }
     }
     return result;

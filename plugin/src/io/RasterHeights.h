@@ -98,7 +98,7 @@ private:
     std::optional<DegreeRows> _degrees;
     PostRect _extent;
     std::unique_ptr<HeightReader<double>> _reader;
-    std::vector<Overview> _overviews; ///< finest first
+    std::vector<Overview> _overviews;                ///< finest first
     const HeightReader<double>* _surveyed = nullptr; ///< which survey() or surveyEvery() used
     HeightRules _rules;
     std::pair<double, double> _seen;

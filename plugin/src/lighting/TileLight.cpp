@@ -198,7 +198,8 @@ Status TileLight::apply()
     const bool recompute = _changes.recompute;
     _changes = Changes();
     const bool isNew =
-        std::exchange(_resting, false) || meets(stale, Invalidation::Heights | Invalidation::Horizons | Invalidation::Method) ||
+        std::exchange(_resting, false) ||
+        meets(stale, Invalidation::Heights | Invalidation::Horizons | Invalidation::Method) ||
         before.posts.valid() != _inputs->posts.valid();
     if (isNew)
         declareMethod();

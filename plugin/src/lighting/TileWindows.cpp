@@ -32,9 +32,9 @@ DemTile tileOf(const TileWindows& windows, double northSpacing, double heightOri
         tile.eastSpacings.resize(1);
     for (int row = 0; row < place.height; ++row)
         for (int column = 0; column < place.width; ++column)
-            tile.setHeight(
-                column, row,
-                windows.heights.at(place.column - near.column + column, place.row - near.row + row));
+            tile.setHeight(column, row,
+                           windows.heights.at(place.column - near.column + column,
+                                              place.row - near.row + row));
     return tile;
 }
 
@@ -69,8 +69,7 @@ Result<std::shared_ptr<const TileWindows>> readWindows(TileSource& source, int l
         return heights.error();
     windows->heights = std::move(*heights);
     windows->eastSpacings = spacingsOf(source, level, level, near);
-    windows->tile =
-        tileOf(*windows, source.northSpacing() * (1 << level), source.heightOrigin());
+    windows->tile = tileOf(*windows, source.northSpacing() * (1 << level), source.heightOrigin());
 
     if (source.lastLevel() - level > TileWindows::mostLevels)
         return Error{ErrorCode::NotSupported,

@@ -42,10 +42,10 @@ struct TileWindows
     DemTile tile;
     PostRect place;             ///< of the tile in the whole terrain, in posts of its level
     double lastColumn, lastRow; ///< of the terrain that is lit as one, from (0, 0), in such posts
-    double middleColumn, middleRow; ///< where a plane touches the planet, in such posts
-    PostRect extent;            ///< all that may be valid, in such posts
-    PostRect near;              ///< the tile and its ring, clipped to what may be valid
-    Raster<float> heights;      ///< of `near` [m above the tile's heightOrigin], NaN void
+    double middleColumn, middleRow;   ///< where a plane touches the planet, in such posts
+    PostRect extent;                  ///< all that may be valid, in such posts
+    PostRect near;                    ///< the tile and its ring, clipped to what may be valid
+    Raster<float> heights;            ///< of `near` [m above the tile's heightOrigin], NaN void
     std::vector<double> eastSpacings; ///< of the rows of `near` [m]
     std::vector<FarLevel> levels;     ///< finest first; each reaches beyond the one before
 };

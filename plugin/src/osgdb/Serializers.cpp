@@ -35,6 +35,7 @@ struct SavedNode
     std::optional<UtcTime> time;
     bool lightEnabled = true, defaultProgram = true;
     double timeBudget = 50.0;
+    double fadeSeconds = 0.5;
     int textureUnit = static_cast<int>(ShadingTexture::defaultUnit);
     int glossUnit = static_cast<int>(ShadingTexture::glossUnit);
     int glossLayer = -1;
@@ -50,6 +51,7 @@ SavedNode savedNode(const TerrainLighting& node)
     saved.lightEnabled = node.getLightEnabled();
     saved.defaultProgram = node.getDefaultProgramEnabled();
     saved.timeBudget = node.getTimeBudget();
+    saved.fadeSeconds = node.getFadeSeconds();
     saved.textureUnit = static_cast<int>(node.getTextureUnit());
     saved.glossUnit = static_cast<int>(node.getGlossUnit());
     saved.glossLayer = node.getGlossLayer();
@@ -68,6 +70,7 @@ void restore(TerrainLighting& node, const SavedNode& saved)
         node.setTime(*saved.time);
     node.setLightEnabled(saved.lightEnabled);
     node.setTimeBudget(saved.timeBudget);
+    node.setFadeSeconds(saved.fadeSeconds);
     node.setDefaultProgramEnabled(saved.defaultProgram);
     node.setGlossLayer(saved.glossLayer);
 }
@@ -190,11 +193,13 @@ const std::vector<Property>& properties()
         const auto whole = [](double minimum, double maximum)
         { return ValueForm{ValueForm::Kind::Whole, minimum, maximum, "", 1, false, {}}; };
         const ValueForm milliseconds = {ValueForm::Kind::Real, 0.0, 1e9, "ms", 1, false, {}};
+        const ValueForm seconds = {ValueForm::Kind::Real, 0.0, 3600.0, "s", 1, false, {}};
         for (const Property& property :
              {environmentOf(), placeOf(), timeOf(),
               switchOf("light-enabled", &SavedNode::lightEnabled),
               switchOf("default-program", &SavedNode::defaultProgram),
               numberOf("time-budget", &SavedNode::timeBudget, milliseconds),
+              numberOf("fade-seconds", &SavedNode::fadeSeconds, seconds),
               numberOf("texture-unit", &SavedNode::textureUnit, whole(0, TileUnits::last)),
               numberOf("gloss-unit", &SavedNode::glossUnit, whole(0, TileUnits::last)),
               numberOf("gloss-layer", &SavedNode::glossLayer, whole(-1, 4))})

@@ -2,6 +2,9 @@
 
 #include "lighting/TileWindows.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace osgTerrainLight
 {
 
@@ -29,6 +32,15 @@ LitTile::LitTile(std::string name, const std::shared_ptr<const TileWindows>& win
                lit->place.endColumn() - windows->place.endColumn(),
                lit->place.endRow() - windows->place.endRow()};
     _lighting = new TileLight(lit, _light->settings, _light->sky);
+}
+
+osg::Matrixd LitTile::fromDrawn() const
+{
+    const double columns = _lighting->width() - 1;
+    const double rows = _lighting->height() - 1;
+    return osg::Matrixd::scale((columns - _margin.west - _margin.east) / columns,
+                               (rows - _margin.south - _margin.north) / rows, 1.0) *
+           osg::Matrixd::translate(_margin.west / columns, _margin.south / rows, 0.0);
 }
 
 Status LitTile::update(osg::State& state, const std::shared_ptr<const SceneLight>& light,
@@ -83,6 +95,22 @@ void LitTile::fail(unsigned context, const std::string& message)
     _failures[context] = message;
 }
 
+void LitTile::meet(unsigned context)
+{
+    Lock lock(_mutex);
+    _stages.try_emplace(context, Stage::Waiting);
+}
+
+std::set<unsigned> LitTile::litContexts() const
+{
+    Lock lock(_mutex);
+    std::set<unsigned> lit;
+    for (const auto& [context, stage] : _stages)
+        if (stage == Stage::Lit)
+            lit.insert(context);
+    return lit;
+}
+
 std::string LitTile::failure() const
 {
     Lock lock(_mutex);
@@ -115,6 +143,41 @@ void LitTile::forget(unsigned context)
         _stages.clear();
     else
         _stages.erase(context);
+}
+
+void LitTile::setFormer(std::optional<std::set<unsigned>> contexts, bool fades)
+{
+    Lock lock(_mutex);
+    _former = std::move(contexts);
+    _fades = fades;
+}
+
+bool LitTile::isFormerEverywhere() const
+{
+    Lock lock(_mutex);
+    return _former &&
+           std::all_of(_stages.begin(), _stages.end(),
+                       [this](const auto& each) { return _former->count(each.first) > 0; });
+}
+
+void LitTile::forgetFormer(unsigned context)
+{
+    Lock lock(_mutex);
+    if (_former && context == ~0u)
+        _former->clear();
+    else if (_former)
+        _former->erase(context);
+}
+
+bool LitTile::isDrawable(unsigned context) const
+{
+    Lock lock(_mutex);
+    const auto found = _stages.find(context);
+    const Stage stage = found == _stages.end() ? Stage::Waiting : found->second;
+    if (!_former)
+        return stage == Stage::Lit;
+    return _former->count(context) > 0 &&
+           (stage == Stage::Lit || (stage == Stage::Waiting && !_fades));
 }
 
 void LitTile::retry()

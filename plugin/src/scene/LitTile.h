@@ -5,6 +5,7 @@
 #include <osgTerrainLight/TileHandle.h>
 
 #include <osg/BoundingSphere>
+#include <osg/Matrixd>
 #include <osg/Referenced>
 
 #include <algorithm>
@@ -13,6 +14,8 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <string>
 
 namespace osgTerrainLight
@@ -45,14 +48,16 @@ public:
         int west = 0, south = 0, east = 0, north = 0;
     };
     const Margin& margin() const { return _margin; }
+    /// From tile coordinates of what is drawn to those of what is lit: (0, 0) to (1, 1).
+    osg::Matrixd fromDrawn() const;
     int drawnWidth() const { return _lighting->width() - _margin.west - _margin.east; }
     int drawnHeight() const { return _lighting->height() - _margin.south - _margin.north; }
     /// A value per post that is lit, from those of posts that are drawn: the nearest one's.
     template <class T>
     Raster<T> withMargin(const Raster<T>& drawn) const
     {
-        if (drawn.empty() || (drawn.width() == _lighting->width() &&
-                              drawn.height() == _lighting->height()))
+        if (drawn.empty() ||
+            (drawn.width() == _lighting->width() && drawn.height() == _lighting->height()))
             return drawn;
         Raster<T> lit(_lighting->width(), _lighting->height());
         for (int row = 0; row < lit.height(); ++row)
@@ -92,6 +97,9 @@ public:
     Stage stage(unsigned context) const;
     void setStage(unsigned context, Stage stage);
     void fail(unsigned context, const std::string& message);
+    /// The context draws it, and it waits there where it is in no other stage.
+    void meet(unsigned context);
+    std::set<unsigned> litContexts() const;
     /// Of the first context where it failed; empty where there is none.
     std::string failure() const;
     /// Of all contexts that have drawn it.
@@ -100,6 +108,16 @@ public:
     void forget(unsigned context);
     /// What failed may be tried again.
     void retry();
+
+    /// Contexts that have other light to draw it with until its own is there (TileFades.h); none:
+    /// there is no such light. fades: its own is drawn besides.
+    void setFormer(std::optional<std::set<unsigned>> contexts, bool fades = false);
+    /// False where a context draws it that has no such light.
+    bool isFormerEverywhere() const;
+    /// The context has released its textures.
+    void forgetFormer(unsigned context);
+    /// Whether there is light to draw it with.
+    bool isDrawable(unsigned context) const;
 
     /// It is bound to the tile's StateSet, so that programs may read it.
     std::atomic<bool> glossy{false};
@@ -118,6 +136,8 @@ private:
     std::shared_ptr<const SceneLight> _light; ///< the newest that was handed on
     std::map<unsigned, Stage> _stages;
     std::map<unsigned, std::string> _failures; ///< where the stage is Failed, or was
+    std::optional<std::set<unsigned>> _former;
+    bool _fades = false;
 };
 
 } // namespace osgTerrainLight

@@ -14,8 +14,8 @@ ProbePlace placeOf(const LightProbe& probe, const LitTile& lit)
     place.row = lit.margin().south +
                 std::clamp(probe.getNorth() / tile.northSpacing, 0.0, lit.drawnHeight() - 1.0);
     const double spacing = tile.eastSpacing(static_cast<int>(place.row + 0.5));
-    place.column = lit.margin().west +
-                   std::clamp(probe.getEast() / spacing, 0.0, lit.drawnWidth() - 1.0);
+    place.column =
+        lit.margin().west + std::clamp(probe.getEast() / spacing, 0.0, lit.drawnWidth() - 1.0);
     place.height = probe.getHeight();
     place.aboveGround = probe.isAboveGround();
     place.exponent = probe.getExponent();

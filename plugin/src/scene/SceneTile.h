@@ -1,5 +1,6 @@
 #pragma once
 
+#include "scene/FormerLight.h"
 #include "scene/LitTile.h"
 #include "scene/ShadingBinding.h"
 #include <osgTerrainLight/DynamicTerrain.h>
@@ -9,6 +10,7 @@
 #include <osgTerrain/Terrain>
 #include <osgTerrain/TerrainTile>
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -74,6 +76,8 @@ struct SceneTile
     bool foundTaken = false;   ///< another TerrainLighting had it at the last look
     bool byTexCoord = false;
     bool withoutGeometry = false; ///< when it was bound: its technique makes it late
+    std::optional<FormerLight> former;
+    std::array<osg::Vec3d, 3> corners; ///< in its own frame, when it was bound
 };
 
 } // namespace osgTerrainLight

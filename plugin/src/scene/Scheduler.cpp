@@ -71,7 +71,10 @@ void Scheduler::forget(unsigned context)
 {
     Lock lock(_mutex);
     for (const auto& tile : _tiles)
+    {
         tile->forget(context);
+        tile->forgetFormer(context);
+    }
     if (context == ~0u)
         _contexts.clear();
     else
@@ -172,6 +175,8 @@ void Scheduler::compute(osg::State& state)
         tiles = inOrder(context);
         clock = context.clock;
     }
+    for (const auto& tile : tiles)
+        tile->meet(id);
     const double limit = budget;
     clock->begin(state);
     bool done = true;

@@ -42,7 +42,7 @@ public:
     /// Whether tile may be drawn with its shading.
     bool isLit(const LitTile& tile, unsigned context) const
     {
-        return enabled && tile.stage(context) == LitTile::Stage::Lit;
+        return enabled && tile.isDrawable(context);
     }
 
     /// False where compute() would run a step.
@@ -92,7 +92,7 @@ private:
 
     mutable std::mutex _mutex; ///< never held during a dispatch
     std::vector<osg::ref_ptr<LitTile>> _tiles;
-    int _alone = 0; ///< tiles that nothing surrounds
+    int _alone = 0;          ///< tiles that nothing surrounds
     bool _saidAlone = false; ///< that tiles do not light one another
     std::map<unsigned, Context> _contexts;
     std::shared_ptr<const SceneLight> _light;

@@ -15,13 +15,32 @@ constexpr const char* fromVertexName = "osgTerrainLight_fromVertex";
 constexpr const char* hasColourName = "osgTerrainLight_hasColour";
 constexpr const char* colourName = "osgTerrainLight_colour";
 
-/// From tile coordinates to texture coordinates: outermost posts are half a texel inside.
-osg::Matrixd texelCentres(const osg::Texture2D& shading)
+/// A texture that another tile computes. The StateSet that it is on neither releases nor resizes
+/// what that tile relies on.
+class BorrowedTexture : public osg::Texture2D
 {
-    const double width = shading.getTextureWidth();
-    const double height = shading.getTextureHeight();
-    return osg::Matrixd::scale((width - 1.0) / width, (height - 1.0) / height, 1.0) *
-           osg::Matrixd::translate(0.5 / width, 0.5 / height, 0.0);
+public:
+    explicit BorrowedTexture(osg::Texture2D* texture) : _texture(texture) {}
+
+    void apply(osg::State& state) const override { _texture->apply(state); }
+    void compileGLObjects(osg::State&) const override {}
+    void releaseGLObjects(osg::State*) const override {}
+    void resizeGLObjectBuffers(unsigned) override {}
+
+private:
+    ~BorrowedTexture() override = default;
+    osg::ref_ptr<osg::Texture2D> _texture;
+};
+
+osg::ref_ptr<osg::Texture2D> borrowed(osg::Texture2D* texture)
+{
+    return new BorrowedTexture(texture);
+}
+
+osg::Vec2f texelsOf(const osg::Texture2D& texture)
+{
+    return {static_cast<float>(texture.getTextureWidth()),
+            static_cast<float>(texture.getTextureHeight())};
 }
 
 /// Of files in this order; messages call it by the last.
@@ -66,6 +85,14 @@ void addGloss(osg::Program& program, const std::string& version)
     program.addShader(glossShader(osg::Shader::FRAGMENT, version));
 }
 } // namespace
+
+osg::Matrixd texelCentres(const osg::Texture2D& shading)
+{
+    const double width = shading.getTextureWidth();
+    const double height = shading.getTextureHeight();
+    return osg::Matrixd::scale((width - 1.0) / width, (height - 1.0) / height, 1.0) *
+           osg::Matrixd::translate(0.5 / width, 0.5 / height, 0.0);
+}
 
 osg::ref_ptr<osg::Shader> createShadingShader(osg::Shader::Type type, int version)
 {
@@ -174,10 +201,21 @@ ShadingBinding::ShadingBinding(osg::StateSet* stateSet, osg::Texture2D* shading,
     _posts = new osg::Uniform(ShadingTexture::posts, osg::Vec2f());
     add(_hasEdges);
     add(_posts);
-    // Without edges the sampler has the shading's unit: OpenGL forbids samplers of two types in
+    _formerPart = new osg::Uniform(ShadingTexture::formerPart, 0.0f);
+    _formerMatrix = new osg::Uniform(ShadingTexture::formerMatrix, osg::Matrixf());
+    _formerPosts = new osg::Uniform(ShadingTexture::formerPosts, osg::Vec2f());
+    add(_formerPart);
+    add(_formerMatrix);
+    add(_formerPosts);
+    // Without a texture a sampler has the shading's unit: OpenGL forbids samplers of two types in
     // one.
     _edgeSampler = new osg::Uniform(ShadingTexture::edgeSampler, static_cast<int>(unit));
+    _formerSampler = new osg::Uniform(ShadingTexture::formerSampler, static_cast<int>(unit));
+    _formerEdgeSampler =
+        new osg::Uniform(ShadingTexture::formerEdgeSampler, static_cast<int>(unit));
     add(_edgeSampler);
+    add(_formerSampler);
+    add(_formerEdgeSampler);
     if (!program)
         return;
     stateSet->setAttribute(program);
@@ -259,11 +297,45 @@ void ShadingBinding::setEdges(osg::Texture2D* edges)
     if (edges)
     {
         install(_edges, edges, ShadingTexture::edgeUnit);
-        _posts->set(osg::Vec2f(static_cast<float>(edges->getTextureWidth()),
-                               static_cast<float>(edges->getTextureHeight())));
+        _posts->set(texelsOf(*edges));
     }
     _edgeSampler->set(static_cast<int>(edges ? ShadingTexture::edgeUnit : unit()));
     _hasEdges->set(edges != nullptr);
+}
+
+void ShadingBinding::setFormer(const FormerLight& light, const osg::Matrixd& toFormer)
+{
+    removeFormer();
+    install(_former, borrowed(light.shading).get(), ShadingTexture::formerUnit);
+    _formerSampler->set(static_cast<int>(ShadingTexture::formerUnit));
+    if (light.edges)
+    {
+        install(_formerEdges, borrowed(light.edges).get(), ShadingTexture::formerEdgeUnit);
+        _formerEdgeSampler->set(static_cast<int>(ShadingTexture::formerEdgeUnit));
+        _formerPosts->set(texelsOf(*light.edges));
+    }
+    _formerMatrix->set(osg::Matrixf(toFormer));
+    _formerPart->set(1.0f);
+}
+
+void ShadingBinding::setFade(double own)
+{
+    if (own >= 1.0)
+        removeFormer();
+    else
+        _formerPart->set(1.0f - static_cast<float>(own));
+}
+
+void ShadingBinding::removeFormer()
+{
+    remove(*_stateSet, _formerEdges);
+    remove(*_stateSet, _former);
+    _former = {};
+    _formerEdges = {};
+    _formerSampler->set(static_cast<int>(unit()));
+    _formerEdgeSampler->set(static_cast<int>(unit()));
+    _formerPosts->set(osg::Vec2f());
+    _formerPart->set(0.0f);
 }
 
 void ShadingBinding::setHasColour(bool hasColour)
@@ -309,7 +381,9 @@ void ShadingBinding::removeAll(osg::StateSet& stateSet) const
         if (_theirProgram.first)
             stateSet.setAttribute(_theirProgram.first, _theirProgram.second);
     }
-    remove(stateSet, _edges); // in the reverse order: each restores the lists that it found
+    remove(stateSet, _formerEdges); // in the reverse order: each restores the lists that it found
+    remove(stateSet, _former);
+    remove(stateSet, _edges);
     remove(stateSet, _gloss);
     remove(stateSet, _shading);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "scene/FormerLight.h"
 #include <osgTerrainLight/ShadingTexture.h>
 
 #include <osg/Program>
@@ -52,6 +53,13 @@ public:
     void setEdges(osg::Texture2D* edges);
     osg::Texture2D* edges() const { return _edges.texture.get(); }
 
+    /// Former light, in its units. toFormer: from the texture coordinates of the shading to those
+    /// of the former one. All of the light is the former one until setFade().
+    void setFormer(const FormerLight& light, const osg::Matrixd& toFormer);
+    /// How much of the light is the tile's own, 0 … 1. At 1 the former light is let go, and nothing
+    /// is in its units.
+    void setFade(double own);
+
     /// Whether texture unit 0 holds the tile's colours. Effective with a program.
     void setHasColour(bool hasColour);
 
@@ -70,13 +78,14 @@ private:
     void install(Bound<T>& bound, T* texture, unsigned unit);
     template <class T>
     static void remove(osg::StateSet& stateSet, const Bound<T>& bound);
+    void removeFormer();
     void add(osg::Uniform* uniform);
     void removeAll(osg::StateSet& stateSet) const;
 
     class Mark;
 
     osg::ref_ptr<osg::StateSet> _stateSet;
-    Bound<osg::Texture2D> _shading, _edges;
+    Bound<osg::Texture2D> _shading, _edges, _former, _formerEdges;
     Bound<osg::Texture2DArray> _gloss;
     osg::ref_ptr<osg::Program> _program;
     osg::Object::DataVariance _theirVariance;
@@ -90,9 +99,14 @@ private:
     std::vector<Slot> _uniforms;
     osg::StateSet::RefAttributePair _theirProgram;
     osg::ref_ptr<osg::Uniform> _hasColour, _edgeSampler, _hasEdges, _posts;
+    osg::ref_ptr<osg::Uniform> _formerPart, _formerSampler, _formerMatrix, _formerEdgeSampler,
+        _formerPosts;
     osg::ref_ptr<Mark> _mark;
     bool _retired = false;
 };
+
+/// From tile coordinates to texture coordinates: outermost posts are half a texel inside.
+osg::Matrixd texelCentres(const osg::Texture2D& shading);
 
 /// The program for stock osgTerrain tiles, from shaders/host. glossy: adds light sent by gloss.
 osg::ref_ptr<osg::Program> createDefaultProgram(bool glossy = false);

@@ -51,7 +51,7 @@ struct TerrainLighting::Implementation
     {
     }
 
-    void update(unsigned updatesBelow);
+    void update(unsigned updatesBelow, const osg::FrameStamp* stamp);
     void followShaders();
     void applyUniforms();
     /// Whether some of the ground may be glossy.
@@ -106,7 +106,7 @@ struct TerrainLighting::Implementation
 
 /// In update traversal, after the children. What is done where nothing has changed does not grow
 /// with the number of tiles, but with that of dynamic terrains and of probes.
-void TerrainLighting::Implementation::update(unsigned updatesBelow)
+void TerrainLighting::Implementation::update(unsigned updatesBelow, const osg::FrameStamp* stamp)
 {
     binder.retire();
     followShaders();
@@ -121,6 +121,7 @@ void TerrainLighting::Implementation::update(unsigned updatesBelow)
         textureRevision = scheduler->textureRevision();
         registry.forEach([this](SceneTile& tile) { binder.followTextures(tile); });
     }
+    terrain.fades.update(stamp);
     if (probes.follow(registry))
         scheduler->touch();
     if (!scheduler->isDone())
@@ -222,6 +223,7 @@ TerrainLighting::TerrainLighting(const TerrainLighting& other, const osg::CopyOp
     here.scheduler->budget = there.scheduler->budget.load();
     here.binder.units = there.binder.units;
     here.terrain.glossLayer = there.terrain.glossLayer;
+    here.terrain.fades.seconds = there.terrain.fades.seconds;
     here.terrain.defaultProgram = there.terrain.defaultProgram;
     here.told = there.told;
     here.applyUniforms();
@@ -413,6 +415,19 @@ void TerrainLighting::setTimeBudget(double milliseconds)
 double TerrainLighting::getTimeBudget() const
 {
     return _implementation->scheduler->budget;
+}
+
+void TerrainLighting::setFadeSeconds(double seconds)
+{
+    if (seconds >= 0.0 && seconds <= 3600.0)
+        _implementation->terrain.fades.seconds = seconds;
+    else
+        warn("fade not set: needs 0 ... 3600 s");
+}
+
+double TerrainLighting::getFadeSeconds() const
+{
+    return _implementation->terrain.fades.seconds;
 }
 
 TileHandle TerrainLighting::addTile(const DemTile& dem, osg::StateSet* stateSet,
@@ -612,7 +627,7 @@ void TerrainLighting::traverse(osg::NodeVisitor& visitor)
     const unsigned updatesBelow = getNumChildrenRequiringUpdateTraversal();
     osg::Group::traverse(visitor);
     if (visitor.getVisitorType() == osg::NodeVisitor::UPDATE_VISITOR)
-        here.update(updatesBelow);
+        here.update(updatesBelow, visitor.getFrameStamp());
 }
 
 osg::BoundingSphere TerrainLighting::computeBound() const
@@ -626,6 +641,7 @@ void TerrainLighting::releaseGLObjects(osg::State* state) const
     const Implementation& here = *_implementation;
     osg::Group::releaseGLObjects(state);
     here.forEachLit([&](const LitTile& tile) { tile.lighting().releaseGLObjects(state); });
+    here.terrain.fades.releaseGLObjects(state);
     here.scheduler->forget(state ? state->getContextID() : ~0u);
     here.compute->releaseGLObjects(state);
     here.uniforms.releaseGLObjects(state);

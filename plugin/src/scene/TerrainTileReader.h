@@ -34,7 +34,6 @@ public:
     /// Null where nothing surrounds the tile.
     const std::shared_ptr<const TileWindows>& windows() const { return _windows; }
 
-
 private:
     ~DemData() override = default;
 

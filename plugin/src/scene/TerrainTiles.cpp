@@ -181,6 +181,7 @@ bool TerrainTiles::isFree(SceneTile& tile)
     {
         if (tile.lit)
             _binder.release(tile);
+        tile.former.reset();
         // At the first look that one may not know yet that the node has moved.
         if (!std::exchange(tile.foundTaken, true))
         {
@@ -220,6 +221,7 @@ void TerrainTiles::fail(SceneTile& tile, const std::string& problem)
         OSG_WARN << "osgTerrainLight: " << nameOf(*tile.terrain) << " is drawn unlit: " << problem
                  << std::endl;
     tile.problem = problem;
+    tile.former.reset();
     undoWait(tile);
 }
 
@@ -242,6 +244,7 @@ void TerrainTiles::use(SceneTile& tile, const FoundTile& found, bool fresh)
     const std::vector<TilePart> parts = PartFinder(found).parts;
     if (same && parts.empty())
         return;
+    fades.keep(tile);
     _binder.release(tile);
     tile.withoutGeometry = false;
     tile.version = {};
@@ -273,6 +276,7 @@ void TerrainTiles::use(SceneTile& tile, const FoundTile& found, bool fresh)
                            terrain.getTerrainTechnique()) != nullptr;
     _binder.bindTerrain(tile, *heights, nameOf(terrain), *coordinates,
                         defaultProgram && stock && !found.hasProgram);
+    fades.begin(tile);
     tile.binding->setHasColour(hasColour(terrain));
     tile.lit->setBound(bound);
 }

@@ -2,6 +2,7 @@
 
 #include "scene/TerrainTileReader.h"
 #include "scene/TileBinder.h"
+#include "scene/TileFades.h"
 #include "scene/TileFinder.h"
 #include "scene/TileRegistry.h"
 
@@ -21,9 +22,11 @@ class TerrainTiles final : public TileFinder::Listener
 {
 public:
     TerrainTiles(TileRegistry& registry, TileBinder& binder, Scheduler* scheduler)
-        : _registry(registry), _binder(binder), _scheduler(scheduler)
+        : fades(registry, binder.units), _registry(registry), _binder(binder), _scheduler(scheduler)
     {
     }
+
+    TileFades fades;
 
     // What tiles are read and bound with.
     bool defaultProgram = true;

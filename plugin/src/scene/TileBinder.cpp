@@ -7,23 +7,6 @@
 namespace osgTerrainLight
 {
 
-namespace
-{
-/// With the margin that is lit and not drawn.
-ShadingCoordinates onLit(ShadingCoordinates coordinates, const LitTile& lit)
-{
-    const LitTile::Margin& margin = lit.margin();
-    const double columns = lit.lighting().width() - 1;
-    const double rows = lit.lighting().height() - 1;
-    coordinates.toTile =
-        coordinates.toTile *
-        osg::Matrixd::scale((columns - margin.west - margin.east) / columns,
-                            (rows - margin.south - margin.north) / rows, 1.0) *
-        osg::Matrixd::translate(margin.west / columns, margin.south / rows, 0.0);
-    return coordinates;
-}
-} // namespace
-
 void TileBinder::light(SceneTile& tile, LitTile* lit)
 {
     tile.lit = lit;
@@ -76,10 +59,11 @@ void TileBinder::bindTerrain(SceneTile& tile, const TerrainHeights& heights,
     const std::shared_ptr<const SceneLight> now = _scheduler->light();
     light(tile, heights.windows ? new LitTile(name, heights.windows, now)
                                 : new LitTile(name, heights.dem, now));
+    ShadingCoordinates onLit = coordinates;
+    onLit.toTile = coordinates.toTile * tile.lit->fromDrawn();
     if (!tile.theirVariance)
         tile.ownStateSet = !tile.terrain->getStateSet();
-    bind(tile, tile.terrain->getOrCreateStateSet(), onLit(coordinates, *tile.lit),
-         programOf(tile, program));
+    bind(tile, tile.terrain->getOrCreateStateSet(), onLit, programOf(tile, program));
     if (tile.theirVariance)
         tile.binding->setTheirVariance(*tile.theirVariance);
     tile.theirVariance.reset();

@@ -12,8 +12,9 @@ namespace osgTerrainLight
 
 /// A tile as an osgTerrain::TerrainTile in metres: x east, y north, from its middle; z above its
 /// heightOrigin. eastSpacing: between columns [m] as they are drawn. Voids have no geometry. data:
-/// what it is lit by. colours: bottom first, over white. skirt: how far walls hang down from its edges [m], which neither cast nor receive light of their
-/// own; 0: none. Precondition: at least 2 × 2 posts.
+/// what it is lit by. colours: bottom first, over white. skirt: how far walls hang down from its
+/// edges [m], which neither cast nor receive light of their own; 0: none. Precondition: at least 2
+/// × 2 posts.
 osg::ref_ptr<osgTerrain::TerrainTile> drawnTile(const DemTile& tile, double eastSpacing,
                                                 DemData* data,
                                                 const std::vector<ColourImage>& colours,

@@ -126,8 +126,7 @@ private:
         if (const Status added =
                 addPaged(_model, std::move(_paged), std::move(_draped), _map.light);
             !added)
-            _model.warnings.push_back(_source + ": left out the terrain: " +
-                                      added.error().message);
+            _model.warnings.push_back(_source + ": left out the terrain: " + added.error().message);
     }
 
     /// Over those before; where there is no elevation, the first one gives the terrain's extent.
@@ -146,8 +145,8 @@ private:
         }
         // Of paged terrain only what is wrong with it is asked here.
         constexpr int glimpse = 64;
-        Result<ColourImage> colour = _paged ? readColour(*path, *_tile, glimpse)
-                                            : readColour(*path, *_tile);
+        Result<ColourImage> colour =
+            _paged ? readColour(*path, *_tile, glimpse) : readColour(*path, *_tile);
         if (!colour)
             return colour.error();
         if (_paged)

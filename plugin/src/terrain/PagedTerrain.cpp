@@ -109,8 +109,8 @@ Result<osg::ref_ptr<osg::Node>> PagedTerrain::tile(const Place& place)
     if (dem.validCount() == 0)
         return osg::ref_ptr<osg::Node>();
     const osg::ref_ptr<osgTerrain::TerrainTile> terrain =
-        drawnTile(dem, std::ldexp(_source->middleEastSpacing(), place.level),
-                  new DemData(*windows), coloursOf(place), skirtOf(dem));
+        drawnTile(dem, std::ldexp(_source->middleEastSpacing(), place.level), new DemData(*windows),
+                  coloursOf(place), skirtOf(dem));
     terrain->setTileID({_source->root() - place.level, place.x, place.y});
     // Geometry is made here, not in the thread that draws.
     terrain->init(osgTerrain::TerrainTile::ALL_DIRTY, false);
@@ -136,11 +136,12 @@ Result<osg::ref_ptr<osg::Node>> PagedTerrain::tile(const Place& place)
     }();
     const osg::ref_ptr<osg::PagedLOD> node = new osg::PagedLOD;
     const double cell = std::ldexp(_source->middleEastSpacing(), place.level);
-    const double flat = 0.5 * _source->cells() *
-                        std::hypot(cell, std::ldexp(_source->northSpacing(), place.level));
+    const double flat =
+        0.5 * _source->cells() * std::hypot(cell, std::ldexp(_source->northSpacing(), place.level));
     node->setCenterMode(osg::LOD::USER_DEFINED_CENTER);
-    node->setCenter(middle + osg::Vec3d(0.0, 0.0, 0.5 * (static_cast<double>(lowest) +
-                                                         static_cast<double>(highest))));
+    node->setCenter(
+        middle +
+        osg::Vec3d(0.0, 0.0, 0.5 * (static_cast<double>(lowest) + static_cast<double>(highest))));
     node->setRadius(static_cast<osg::LOD::value_type>(
         std::hypot(flat, 0.5 * (static_cast<double>(highest) - static_cast<double>(lowest)))));
     // OSG's pixels are those of the radius.
