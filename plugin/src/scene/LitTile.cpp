@@ -15,7 +15,7 @@ LitTile::LitTile(std::string name, const DemTile& dem, std::shared_ptr<const Sce
 }
 
 Status LitTile::update(osg::State& state, const std::shared_ptr<const SceneLight>& light,
-                       const std::function<bool()>& mayContinue)
+                       WorkPace* pace)
 {
     {
         // Threads of several contexts may be frames apart: only newer light is handed on.
@@ -27,7 +27,7 @@ Status LitTile::update(osg::State& state, const std::shared_ptr<const SceneLight
         if (isNewer(*light))
             _light = light;
     }
-    return _lighting->update(state, mayContinue);
+    return _lighting->update(state, pace);
 }
 
 /// Precondition: _mutex is held.

@@ -166,22 +166,41 @@ void Scheduler::compute(osg::State& state)
         if (!supports(state, context))
             return;
         tiles = inOrder(context);
+        if (!context.clock)
+            context.clock = std::make_shared<WorkClock>(_now);
         clock = context.clock;
     }
-    const double limit = budget;
     clock->begin(state);
+    FramePace pace(*clock, state, budget);
     bool done = true;
-    bool stopped = false;
-    for (std::size_t i = 0; i < tiles.size() && !stopped; ++i)
-        done = update(*tiles[i], state, *clock, limit, stopped) && done;
+    for (std::size_t i = 0; i < tiles.size() && !pace.isStopped(); ++i)
+        done = update(*tiles[i], state, pace) && done;
+    const double spent = clock->spent();
+    clock->end();
     Lock lock(_mutex);
-    if (done && !stopped)
+    _contexts[id].milliseconds = spent;
+    if (done && !pace.isStopped())
         _contexts[id].done = revision;
 }
 
-/// Whether the tile is up to date. stopped: the budget is spent.
-bool Scheduler::update(LitTile& tile, osg::State& state, WorkClock& clock, double limit,
-                       bool& stopped)
+void Scheduler::rest(unsigned context)
+{
+    Lock lock(_mutex);
+    if (const auto found = _contexts.find(context); found != _contexts.end())
+        found->second.milliseconds = 0.0;
+}
+
+double Scheduler::milliseconds() const
+{
+    Lock lock(_mutex);
+    double most = 0.0;
+    for (const auto& [id, context] : _contexts)
+        most = std::max(most, context.milliseconds);
+    return most;
+}
+
+/// Whether the tile is up to date; not where the pace has stopped.
+bool Scheduler::update(LitTile& tile, osg::State& state, FramePace& pace)
 {
     const unsigned id = state.getContextID();
     const std::shared_ptr<const SceneLight> light = this->light();
@@ -190,20 +209,11 @@ bool Scheduler::update(LitTile& tile, osg::State& state, WorkClock& clock, doubl
     if (stage == LitTile::Stage::Failed ||
         (stage == LitTile::Stage::Lit && !tile.isBehind(id, light)))
         return true;
-    const auto isSpent = [&] { return limit > 0.0 && clock.spent() > limit; };
-    stopped = clock.steps() > 0 && isSpent();
-    if (stopped)
+    if (!pace.goesOn())
         return false;
-    const double posts = double(tile.lighting().width()) * tile.lighting().height();
     const osg::ref_ptr<osg::Texture2DArray> gloss = tile.lighting().glossLight();
     const osg::ref_ptr<osg::Texture2D> edges = tile.lighting().shadowEdges();
-    const Status updated = tile.update(state, light,
-                                       [&]
-                                       {
-                                           clock.step(state, posts);
-                                           stopped = isSpent();
-                                           return !stopped;
-                                       });
+    const Status updated = tile.update(state, light, &pace);
     if (tile.lighting().glossLight() != gloss || tile.lighting().shadowEdges() != edges)
         ++_textureRevision;
     if (!updated)
@@ -213,9 +223,8 @@ bool Scheduler::update(LitTile& tile, osg::State& state, WorkClock& clock, doubl
                  << "; drawing it unlit" << std::endl;
         return true;
     }
-    if (stopped)
+    if (pace.isStopped())
         return false; // what was lit keeps its light until the rest has been computed
-    clock.step(state, posts);
     tile.setStage(id, LitTile::Stage::Lit);
     return !tile.isBehind(id, light); // bounces may wait for their turn, changes for this one
 }
