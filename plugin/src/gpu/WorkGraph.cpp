@@ -246,7 +246,7 @@ Status WorkGraph::run(osg::State& state, WorkPace* pace)
             _timed ? runTimed(state, *node, progress, pace) : runNode(state, *node, progress, pace);
         Lock lock(_mutex);
         node->_partly.erase(id);
-        if (!done && pace && pace->isStopped())
+        if (pace && pace->isStopped())
         {
             node->_partly[id] = {std::move(seen), progress};
             return Nothing{};
