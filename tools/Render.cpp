@@ -170,17 +170,22 @@ std::vector<std::uint8_t> draw(osgViewer::Viewer& viewer, const Options& options
 {
     constexpr int fewest = 4;
     std::vector<std::uint8_t> pixels;
-    for (int frame = 0; frame < options.frames; ++frame)
+    const osgDB::DatabasePager& pager = *viewer.getDatabasePager();
+    int frame = 0;
+    for (int time = 0; frame < options.frames && time < 100 * options.frames; ++time)
     {
-        viewer.frame(frame / 60.0);
+        viewer.frame(time / 60.0);
         glFinish();
         std::vector<std::uint8_t> next = readPixels(options.width, options.height);
         const bool same = next == pixels;
         pixels = std::move(next);
         progress.reach(0.2 + 0.7 * frame / options.frames);
-        if (frame + 1 >= fewest && same && !viewer.getDatabasePager()->requiresUpdateSceneGraph() &&
-            !viewer.getDatabasePager()->getRequestsInProgress())
+        // Tiles of large terrain come level by level: those frames do not count.
+        const bool loading = pager.requiresUpdateSceneGraph() || pager.getRequestsInProgress();
+        if (++frame >= fewest && same && !loading)
             break;
+        if (loading)
+            --frame;
     }
     return pixels;
 }
@@ -232,6 +237,7 @@ public:
             while (auto* keys = handlerOf(*lighting))
                 lighting->removeEventCallback(keys);
             lighting->setTimeBudget(0.0);
+            lighting->setFadeSeconds(0.0);
         }
         traverse(group);
     }

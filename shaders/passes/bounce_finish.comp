@@ -11,7 +11,7 @@ uniform int frame;
 
 void main()
 {
-    ivec2 post = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 post = ivec2(INVOCATION.xy);
     if (post.x >= size.x || post.y >= size.y)
         return;
     bool valid = !isVoid(postHeight(heights, post + frame));

@@ -28,7 +28,7 @@ layout(std140, binding = 0) uniform Rays
 
 void main()
 {
-    ivec2 post = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 post = ivec2(INVOCATION.xy);
     if (post.x >= size.x || post.y >= size.y)
         return;
     Length here = postHeight(heights, post + frame);

@@ -469,11 +469,11 @@ void passFar(Line line, Length stepLength)
 
 void main()
 {
-    Line line = lineOf(int(gl_GlobalInvocationID.x));
+    Line line = lineOf(int(INVOCATION.x));
     // Lines side by side are over the tile one after the other: of a group, the first and the last
     // have the extremes.
-    Line one = lineOf(int(gl_WorkGroupID.x * gl_WorkGroupSize.x));
-    Line other = lineOf(int((gl_WorkGroupID.x + 1u) * gl_WorkGroupSize.x) - 1);
+    Line one = lineOf(int(GROUP.x * gl_WorkGroupSize.x));
+    Line other = lineOf(int((GROUP.x + 1u) * gl_WorkGroupSize.x) - 1);
     int begin = min(one.first, other.first);
     int end = max(one.last, other.last);
 #ifdef SURROUNDED

@@ -43,7 +43,7 @@ vec3 bounced(int bounce, ivec2 post)
 
 void main()
 {
-    ivec2 post = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 post = ivec2(INVOCATION.xy);
     if (post.x >= size.x || post.y >= size.y)
         return;
     vec4 light = texelFetch(direct, post, 0);

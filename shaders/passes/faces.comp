@@ -61,7 +61,7 @@ float[5] terrainViews(ivec2 post, vec3 normals[5])
 
 void main()
 {
-    ivec2 post = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 post = ivec2(INVOCATION.xy);
     if (post.x >= size.x || post.y >= size.y)
         return;
     Length here = postHeight(heights, post + frame);

@@ -19,7 +19,7 @@ bool isHeight(float height)
 
 void main()
 {
-    ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 texel = ivec2(INVOCATION.xy);
     if (texel.x >= size.x + 2 * frame || texel.y >= size.y + 2 * frame)
         return;
     ivec2 post = texel - frame;

@@ -271,7 +271,7 @@ void sendGloss(ivec2 post, vec3 normal, vec2 own)
 
 void main()
 {
-    ivec2 post = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 post = ivec2(INVOCATION.xy);
     if (post.x >= size.x || post.y >= size.y)
         return;
     if (isVoid(postHeight(heights, post + frame)))

@@ -9,7 +9,7 @@ uniform vec3 towards; // unit: x east, y north, z up
 
 void main()
 {
-    ivec2 post = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 post = ivec2(INVOCATION.xy);
     if (post.x >= size.x || post.y >= size.y)
         return;
     ShVector basis = shBasis(towards);

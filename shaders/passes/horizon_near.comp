@@ -19,7 +19,7 @@ void main()
     int look = int(direction.y);
     int layer = int(direction.w);
     float drift = direction.x * float(look); // per step of the look direction
-    ivec2 id = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 id = ivec2(INVOCATION.xy);
     int block = 8 * (north ? id.x : id.y);
     int along = north ? id.y : id.x;
     int breadth = north ? size.x : size.y;

@@ -17,7 +17,7 @@ uniform ivec2 count; // posts, directions
 
 void main()
 {
-    ivec2 id = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 id = ivec2(INVOCATION.xy);
     if (id.x >= count.x || id.y >= count.y)
         return;
     ivec2 post =

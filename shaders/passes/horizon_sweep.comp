@@ -103,8 +103,8 @@ Line lineOf(vec4 direction)
     line.drift = direction.x;
     line.look = int(direction.y);
     line.north = direction.z != 0.0;
-    line.layer = firstDirection + int(gl_GlobalInvocationID.z);
-    line.number = ASKED * int(gl_GlobalInvocationID.x) + PARITY;
+    line.layer = firstDirection + int(INVOCATION.z);
+    line.number = ASKED * int(INVOCATION.x) + PARITY;
     line.shift = max(line.drift, 0.0) * float(steps(line) - 1) + direction.w;
     line.start = float(line.number) / float(linesPerPost) - line.shift;
     // Major coordinates at which the line is over the tile, half a post around it included.
@@ -322,7 +322,7 @@ bool inTile(Line line, int major)
 
 void main()
 {
-    Line line = lineOf(directions[firstDirection + int(gl_GlobalInvocationID.z)]);
+    Line line = lineOf(directions[firstDirection + int(INVOCATION.z)]);
 #ifdef SURROUNDED
     if (line.count > 0)
         pushFar(line);

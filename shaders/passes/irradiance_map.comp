@@ -26,7 +26,7 @@ float alpha()
 
 void main()
 {
-    ivec3 texel = ivec3(gl_GlobalInvocationID.xyz);
+    ivec3 texel = ivec3(INVOCATION.xyz);
     ivec2 size = imageSize(map).xy;
     if (texel.x >= size.x || texel.y >= size.y)
         return;

@@ -266,7 +266,7 @@ void main()
 {
     ivec2 local = ivec2(gl_LocalInvocationID.xy);
     int own = int(gl_LocalInvocationIndex);
-    ivec2 corner = ivec2(gl_WorkGroupID.xy) * SHADED;
+    ivec2 corner = ivec2(GROUP.xy) * SHADED;
     ivec2 last = (size - 1) / stride;
     ivec2 block = corner + local;
     places[own] = vec4(0.0);
@@ -339,7 +339,7 @@ void main()
 #else
 void main()
 {
-    ivec2 post = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 post = ivec2(INVOCATION.xy);
     if (post.x >= size.x || post.y >= size.y)
         return;
     Length here = postHeight(heights, post + frame);

@@ -15,7 +15,7 @@ uniform bool byBlock;
 
 void main()
 {
-    ivec2 block = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 block = ivec2(INVOCATION.xy);
     if (block.x * stride >= size.x || block.y * stride >= size.y)
         return;
     ivec2 post = postOfBlock(heights, block, stride, size, frame);

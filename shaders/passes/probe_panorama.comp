@@ -75,7 +75,7 @@ vec3 skyOf(int column, int row, ivec2 pictureSize)
 
 void main()
 {
-    int column = int(gl_GlobalInvocationID.x);
+    int column = int(INVOCATION.x);
     ivec2 pictureSize = imageSize(panorama);
     if (column >= pictureSize.x + 3)
         return;

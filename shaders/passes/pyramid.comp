@@ -17,7 +17,7 @@ layout(rgba16f, binding = 0) writeonly uniform image2D pyramid;
 #endif
 #ifdef LAYERED
 uniform sampler2DArray finer;
-#define IN_LAYER(place) ivec3(place, gl_GlobalInvocationID.z)
+#define IN_LAYER(place) ivec3(place, INVOCATION.z)
 #else
 uniform sampler2D finer;
 #define IN_LAYER(place) place
@@ -40,7 +40,7 @@ vec4 finerTexel(ivec2 place)
 
 void main()
 {
-    ivec2 place = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 place = ivec2(INVOCATION.xy);
     if (place.x >= to.z || place.y >= to.w)
         return;
     vec4 sum = vec4(0.0);

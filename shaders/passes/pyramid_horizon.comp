@@ -33,7 +33,7 @@ vec2 riseAt(vec2 place, int number, Length here)
 
 void main()
 {
-    ivec3 place3 = ivec3(gl_GlobalInvocationID);
+    ivec3 place3 = ivec3(INVOCATION);
     ivec2 post = place3.xy;
     if (post.x >= size.x || post.y >= size.y)
         return;

@@ -13,7 +13,7 @@ uniform ivec2 size; // posts
 
 void main()
 {
-    ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 cell = ivec2(INVOCATION.xy);
     if (cell.x >= size.x - 1 || cell.y >= size.y - 1)
         return;
     vec3 sent = vec3(0.0);

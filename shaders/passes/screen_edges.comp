@@ -15,7 +15,7 @@ uniform float northSpacing; // [m]
 
 void main()
 {
-    ivec2 post = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 post = ivec2(INVOCATION.xy);
     if (post.x >= size.x || post.y >= size.y)
         return;
     vec4 edge = vec4(0.0);

@@ -14,7 +14,7 @@ uniform float northSpacing; // [m]
 
 void main()
 {
-    ivec2 post = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 post = ivec2(INVOCATION.xy);
     if (post.x >= size.x || post.y >= size.y)
         return;
     if (isVoid(postHeight(heights, post + frame)))

@@ -48,7 +48,7 @@ Shadow farShadow(GridRay ray, ivec2 post, int steps, float stepLength)
 
 void main()
 {
-    ivec2 post = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 post = ivec2(INVOCATION.xy);
     if (post.x >= size.x || post.y >= size.y)
         return;
     Length here = postHeight(heights, post + frame);

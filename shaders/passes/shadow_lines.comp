@@ -62,7 +62,7 @@ void main()
     ivec2 across = north ? ivec2(1, 0) : ivec2(0, 1);
     ivec2 extent = north ? size.yx : size;
     float shift = max(direction.x, 0.0) * float(extent.x - 1);
-    int number = int(gl_GlobalInvocationID.x);
+    int number = int(INVOCATION.x);
     Shadow shadow = noShadow();
     bool begins = true;
     for (int walked = 0; walked < extent.x; ++walked)

@@ -14,7 +14,7 @@ uniform float gain;
 
 void main()
 {
-    ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 texel = ivec2(INVOCATION.xy);
     ivec2 size = imageSize(sky);
     if (texel.x >= size.x || texel.y >= size.y)
         return;

@@ -8,7 +8,7 @@ uniform vec3 harmonics[16]; // (l, m) at l (l + 1) + m
 
 void main()
 {
-    ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 texel = ivec2(INVOCATION.xy);
     ivec2 size = imageSize(sky);
     if (texel.x >= size.x || texel.y >= size.y)
         return;

@@ -18,7 +18,7 @@ uniform bool overcast;
 
 void main()
 {
-    ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 texel = ivec2(INVOCATION.xy);
     ivec2 size = imageSize(sky);
     if (texel.x >= size.x || texel.y >= size.y)
         return;

@@ -15,7 +15,7 @@ uniform int azimuths;
 
 void main()
 {
-    int k = int(gl_GlobalInvocationID.x);
+    int k = int(INVOCATION.x);
     if (k >= azimuths)
         return;
     ivec2 size = textureSize(sky, 0);

@@ -123,9 +123,10 @@ TEST(ShaderLibrary, EveryLibraryFileIsComposed)
             ++count;
             EXPECT_EQ(files.count(name), 1u) << name;
         }
+    EXPECT_EQ(files.count("pieces.glsl"), 1u);
     EXPECT_EQ(files.count("windows.glsl"), 1u);
     EXPECT_EQ(files.count("lights.glsl"), 1u);
-    EXPECT_EQ(files.size(), count + 4); // these, the preamble and the pass
+    EXPECT_EQ(files.size(), count + 5); // these, the preamble and the pass
     EXPECT_EQ(shader->text.find("#include"), std::string::npos);
 }
 

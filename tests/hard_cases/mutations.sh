@@ -98,6 +98,10 @@ mutate shade-void passes/shade.comp 's/if \(isVoid\(postHeight\(heights, post \+
 mutate compose-last-bounce passes/compose.comp 's/light\.rgb \+ bounced/bounced/' \
   'gpu_tests:BounceClosedForm.*'
 
+# A dispatch in pieces.
+mutate pieces-place pieces.glsl 's/ \+ firstGroup \* gl_WorkGroupSize//' \
+  'gpu_tests:Pieces.*'
+
 # What surrounds a tile.
 mutate windows-exit lib/windows.glsl 's/return min\(x, y\);/return x;/' \
   'gpu_tests:TileWindows.Horizons*'

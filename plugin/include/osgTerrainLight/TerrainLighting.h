@@ -29,6 +29,20 @@ namespace osgTerrainLight
 class DynamicTerrain;
 class LightProbe;
 
+/// The tiles of a TerrainLighting, and what its light costs.
+struct LightingStatistics
+{
+    /// Tiles that have been found or added, and how many of them are lit in every graphics context
+    /// that draws them, wait for their light, and draw unlit because of a failure.
+    std::size_t tiles = 0, lit = 0, waiting = 0, failed = 0;
+    /// Time that was spent on light in the last frame [ms]; of several graphics contexts the
+    /// longest. It is measured on the CPU, or what the GPU is expected to take where that is more.
+    /// 0 in a still scene.
+    double milliseconds = 0.0;
+    /// Size of the textures of all tiles' light on the GPU, with what their computation holds.
+    std::size_t bytes = 0;
+};
+
 /// Lights the terrain below it: every osgTerrain::TerrainTile, also those that are added or paged
 /// in later, and the terrain that addTile() is given.
 ///
@@ -80,9 +94,10 @@ public:
 
     /// Sets the time that is spent on light per frame and graphics context [ms], 0 … 1e9. The
     /// default is 50; 0 computes everything in one frame. The tile that is largest on the screen
-    /// comes first. A frame does at least one step of a tile's work (a horizon map, a bounce), and
-    /// exceeds its time by at most one step. A tile that waits is drawn with the light that it has,
-    /// or as if this node were a plain group.
+    /// comes first. Work is cut into pieces, of which a frame does as many as are expected to fit,
+    /// and at least one. A frame exceeds its time by up to a fifth; by more only where it does a
+    /// single piece: where shaders are compiled, and where the smallest piece takes longer. A tile
+    /// that waits is drawn with the light that it has, or as if this node were a plain group.
     void setTimeBudget(double milliseconds);
     double getTimeBudget() const;
 
@@ -181,6 +196,9 @@ public:
     std::map<std::string, unsigned> getDispatchCounts() const;
     /// The sum of getDispatchCounts().
     unsigned getDispatchCount() const;
+
+    /// The tiles, and the time and memory of their light: for a display on the screen.
+    LightingStatistics getStatistics() const;
 
     /// The number of nodes that were looked at to find tiles since this node was created. In a
     /// still scene none are.

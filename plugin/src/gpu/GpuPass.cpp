@@ -1,6 +1,7 @@
 #include "gpu/GpuPass.h"
 
 #include "gpu/GlConstants.h"
+#include "gpu/WorkPace.h"
 
 #include <osg/BufferObject>
 #include <osg/GLExtensions>
@@ -120,7 +121,8 @@ unsigned GpuPass::groupsFor(int count, int size)
     return static_cast<unsigned>((count + size - 1) / size);
 }
 
-Status GpuPass::build(osg::State& state)
+/// Takes up the shader's text.
+Status GpuPass::compose()
 {
     const ShaderLibrary& library = ShaderLibrary::instance();
     const std::string file = "passes/" + _name + ".comp";
@@ -147,9 +149,16 @@ Status GpuPass::build(osg::State& state)
         for (std::sregex_iterator found(text.begin(), text.end(), image), none; found != none;
              ++found)
             _images.insert((*found)[1]);
+        // Where it is defined, and where the shader uses it.
+        _knowsPieces = text.find("INVOCATION") != text.rfind("INVOCATION");
         _parts = shader->parts;
         _revision = revision;
     }
+    return Nothing{};
+}
+
+Status GpuPass::link(osg::State& state)
+{
     const osg::Program::PerContextProgram* linked = _program->getPCP(state);
     if (linked->needsLink())
         _program->compileGLObjects(state);
@@ -161,21 +170,44 @@ Status GpuPass::build(osg::State& state)
     if (log.empty())
         _program->getGlProgramInfoLog(state.getContextID(), log);
     log.erase(log.find_last_not_of(" \n\r\t") + 1);
+    const std::string file = "passes/" + _name + ".comp";
     return Error{ErrorCode::Failed,
                  "shader " + file + " does not compile: " + ComposedShader{{}, _parts}.mapLog(log)};
 }
 
 Status GpuPass::dispatch(osg::State& state, Groups groups)
 {
+    if (Status composed = compose(); !composed)
+        return composed;
+    PacedRun* run = PacedRun::current();
+    if (!run)
+        return dispatch(state, {0, 0, 0}, groups);
+    return run->dispatch(_name, groups, isWhole(),
+                         [&](Groups first, Groups count) { return dispatch(state, first, count); });
+}
+
+bool GpuPass::isWhole() const
+{
+    return !_knowsPieces || std::any_of(_outputs.begin(), _outputs.end(),
+                                        [](const Output& output)
+                                        { return !output.resource || output.resource->isWhole(); });
+}
+
+Status GpuPass::dispatch(osg::State& state, Groups first, Groups count)
+{
+    if (_knowsPieces)
+    {
+        osg::Uniform& place = *_firstGroup;
+        place.set(first.x, first.y, first.z);
+    }
     const Resolved resolved(*this);
-    return dispatchResolved(state, groups);
+    return dispatchResolved(state, count);
 }
 
 Status GpuPass::dispatchResolved(osg::State& state, Groups groups)
 {
-    Status built = build(state);
-    if (!built)
-        return built;
+    if (Status linked = link(state); !linked)
+        return linked;
 
     // Applied directly, not through the state's lazy tracking: that compares addresses, and takes a
     // new texture for a deleted one that stood in the same place. apply() also allocates.
@@ -198,6 +230,8 @@ Status GpuPass::dispatchResolved(osg::State& state, Groups groups)
     const osg::Program::PerContextProgram* linked = _program->getPCP(state);
     for (const auto& [name, uniform] : _uniforms)
         linked->apply(*uniform);
+    if (_knowsPieces)
+        linked->apply(*_firstGroup);
     for (const auto& [binding, block] : _blocks)
         block->apply(state);
     for (const auto& [binding, storage] : _storage)

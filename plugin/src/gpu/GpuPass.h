@@ -85,7 +85,8 @@ public:
     };
 
     /// Runs the shader. Needs a current context of OpenGL 4.3. An error names file and line of the
-    /// shader.
+    /// shader. In a PacedRun it may run in pieces, where the shader goes by INVOCATION or GROUP
+    /// (pieces.glsl), and all that it writes are resources that may be cut.
     Status dispatch(osg::State& state, Groups groups);
 
     /// Number of groups of `size` that cover `count`.
@@ -96,7 +97,9 @@ public:
 
 private:
     ~GpuPass() override = default;
-    Status build(osg::State& state);
+    Status compose();
+    Status link(osg::State& state);
+    bool isWhole() const;
     void bindImages(osg::State& state);
     void leave(osg::State& state) const;
 
@@ -113,6 +116,7 @@ private:
         osg::ref_ptr<Resource> resource; ///< as above
     };
     class Resolved;
+    Status dispatch(osg::State& state, Groups first, Groups count);
     Status dispatchResolved(osg::State& state, Groups groups);
     Input& input(const std::string& uniform);
 
@@ -126,6 +130,9 @@ private:
     osg::ref_ptr<osg::Program> _program;
     std::vector<ComposedShader::Part> _parts;
     std::set<std::string> _images; ///< that the shader reads only
+    bool _knowsPieces = false;     ///< the shader does
+    osg::ref_ptr<osg::Uniform> _firstGroup =
+        new osg::Uniform(osg::Uniform::UNSIGNED_INT_VEC3, "firstGroup");
     long long _revision = -1;
 };
 

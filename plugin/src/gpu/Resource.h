@@ -47,6 +47,10 @@ public:
     const std::string& name() const { return _name; }
     /// Empty where there is no texture, or the CPU makes it.
     const TextureLayout& layout() const { return _layout; }
+    /// Passes write it in one dispatch, also where their node runs in pieces: it is drawn, or is
+    /// made of what may change before all pieces have run.
+    void keepWhole() { _isWhole = true; }
+    bool isWhole() const { return _isWhole; }
     /// Drops the texture where it has another layout.
     void setLayout(const TextureLayout& layout);
 
@@ -75,6 +79,7 @@ protected:
 
 private:
     const std::string _name;
+    bool _isWhole = false;
     TextureLayout _layout;
     Content _content;
     mutable std::mutex _mutex; ///< of what follows

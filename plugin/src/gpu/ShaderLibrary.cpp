@@ -91,7 +91,7 @@ Result<ComposedShader> ShaderLibrary::compose(const std::string& name,
     std::vector<std::string> names = {"preamble.glsl"};
     for (const std::string& file : listed(*list))
         names.push_back("lib/" + file);
-    names.emplace_back("windows.glsl");
+    names.insert(names.end(), {"pieces.glsl", "windows.glsl"});
     for (const EmbeddedShader& shader : embeddedShaders())
         if (const std::string file = shader.name; file.rfind("lights/", 0) == 0)
             names.push_back(file);

@@ -164,6 +164,7 @@ void WorkGraph::retire(Node& node)
         return;
     node._exists = false;
     node._seen.clear();
+    node._partly.clear();
     for (const auto& written : node._writes)
         written->touch();
     dropUnowned(node.resources());
@@ -204,7 +205,7 @@ bool WorkGraph::isStale(unsigned contextID) const
     return worst(contextID) == State::Stale;
 }
 
-Status WorkGraph::run(osg::State& state, const std::function<bool()>& mayContinue)
+Status WorkGraph::run(osg::State& state, WorkPace* pace)
 {
     const unsigned id = state.getContextID();
     {
@@ -217,6 +218,7 @@ Status WorkGraph::run(osg::State& state, const std::function<bool()>& mayContinu
     for (const auto& node : _nodes)
     {
         Node::Seen seen;
+        WorkProgress progress;
         {
             Lock lock(_mutex);
             if (!node->needed() || stateOf(*node, id) != State::Behind)
@@ -225,8 +227,11 @@ Status WorkGraph::run(osg::State& state, const std::function<bool()>& mayContinu
                 seen.reads.push_back(read.resource->version(id));
             for (const auto& sampled : node->_samples)
                 seen.samples.push_back(sampled->version(id));
+            const auto partly = node->_partly.find(id);
+            if (partly != node->_partly.end() && partly->second.seen == seen)
+                progress = partly->second.progress;
         }
-        if (ran && mayContinue && !mayContinue())
+        if (ran && pace && !pace->goesOn())
             return Nothing{};
         ran = true;
         {
@@ -237,10 +242,17 @@ Status WorkGraph::run(osg::State& state, const std::function<bool()>& mayContinu
             owned->make();
         for (const auto& written : node->_writes)
             written->make();
-        const Status done = _timed ? runTimed(state, *node) : node->run(state);
+        const Status done =
+            _timed ? runTimed(state, *node, progress, pace) : runNode(state, *node, progress, pace);
+        Lock lock(_mutex);
+        node->_partly.erase(id);
+        if (pace && pace->isStopped())
+        {
+            node->_partly[id] = {std::move(seen), progress};
+            return Nothing{};
+        }
         if (!done)
             return done;
-        Lock lock(_mutex);
         ++node->_cost.dispatches;
         node->_seen[id] = std::move(seen);
         for (const auto& written : node->_writes)
@@ -249,7 +261,16 @@ Status WorkGraph::run(osg::State& state, const std::function<bool()>& mayContinu
     return Nothing{};
 }
 
-Status WorkGraph::runTimed(osg::State& state, Node& node) const
+Status WorkGraph::runNode(osg::State& state, Node& node, WorkProgress& progress, WorkPace* pace)
+{
+    if (!pace && progress.dispatches == 0 && progress.groups == 0)
+        return node.run(state);
+    const PacedRun run(node.name(), progress, pace);
+    return node.run(state);
+}
+
+Status WorkGraph::runTimed(osg::State& state, Node& node, WorkProgress& progress,
+                           WorkPace* pace) const
 {
     using Clock = std::chrono::steady_clock;
     const auto* extensions = state.get<osg::GLExtensions>();
@@ -258,7 +279,7 @@ Status WorkGraph::runTimed(osg::State& state, Node& node) const
     GLuint query = 0;
     extensions->glGenQueries(1, &query);
     extensions->glBeginQuery(GL_TIME_ELAPSED, query);
-    Status done = node.run(state);
+    Status done = runNode(state, node, progress, pace);
     extensions->glEndQuery(GL_TIME_ELAPSED);
     glFinish();
     const double wall = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -281,9 +302,15 @@ void WorkGraph::forget(unsigned contextID)
     Lock lock(_mutex);
     for (const auto& node : _nodes)
         if (contextID == ~0u)
+        {
             node->_seen.clear();
+            node->_partly.clear();
+        }
         else
+        {
             node->_seen.erase(contextID);
+            node->_partly.erase(contextID);
+        }
 }
 
 std::vector<StageCost> WorkGraph::costs() const

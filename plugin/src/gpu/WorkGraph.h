@@ -3,6 +3,7 @@
 #include "core/Result.h"
 #include "gpu/GpuPass.h"
 #include "gpu/Resource.h"
+#include "gpu/WorkPace.h"
 
 #include <osg/Referenced>
 #include <osg/State>
@@ -74,7 +75,8 @@ public:
     /// The node runs where this has changed, too.
     void follows(Resource* value) { reads(value); }
 
-    /// Needs a current context. All that the node writes and owns exists.
+    /// Needs a current context. All that the node writes and owns exists. Where the graph stopped
+    /// within the node's dispatches it runs again, and must come to the same ones.
     virtual Status run(osg::State& state) = 0;
 
     /// What the driver keeps while the node runs, beside textures [bytes].
@@ -104,14 +106,24 @@ private:
     struct Seen
     {
         Versions reads, samples;
+        bool operator==(const Seen& other) const
+        {
+            return reads == other.reads && samples == other.samples;
+        }
+    };
+    struct Partly
+    {
+        Seen seen;
+        WorkProgress progress;
     };
 
     std::string _name;
     std::function<bool()> _needed;
     std::vector<Read> _reads;
     std::vector<osg::ref_ptr<Resource>> _samples, _writes;
-    std::map<unsigned, Seen> _seen; ///< of the last run in each context
-    bool _exists = false;           ///< what it owns was made, and not dropped since
+    std::map<unsigned, Seen> _seen;     ///< of the last run in each context
+    std::map<unsigned, Partly> _partly; ///< of a run that stopped within the node
+    bool _exists = false;               ///< what it owns was made, and not dropped since
     StageCost _cost;
 };
 
@@ -133,8 +145,10 @@ public:
     Status declare(Nodes nodes);
 
     /// Runs what is behind in the state's context, which must be current. Stops at the first error,
-    /// or between two nodes where mayContinue says so: the next call goes on from there.
-    Status run(osg::State& state, const std::function<bool()>& mayContinue = {});
+    /// or where the pace says so, between two nodes or within the dispatches of one: the next call
+    /// goes on from there. A node that is partly done counts as behind, and begins anew where what
+    /// it reads has changed since.
+    Status run(osg::State& state, WorkPace* pace = nullptr);
 
     /// True where run() would do something, or where isStale().
     bool isDirty(unsigned contextID) const;
@@ -167,7 +181,8 @@ private:
     State worst(unsigned contextID) const;
     void retire(Node& node);
     void dropUnowned(const std::vector<Resource*>& resources);
-    Status runTimed(osg::State& state, Node& node) const;
+    static Status runNode(osg::State& state, Node& node, WorkProgress& progress, WorkPace* pace);
+    Status runTimed(osg::State& state, Node& node, WorkProgress& progress, WorkPace* pace) const;
 
     mutable std::mutex _mutex; ///< of all but what nodes compute
     Nodes _nodes;

@@ -67,6 +67,8 @@ TileLight::TileLight(const DemTile& tile, std::shared_ptr<const TileWindows> win
     _latest.sky = sky;
     _latest.definition = definition;
     static_cast<TileValues&>(*_inputs) = _latest;
+    _shading->keepWhole();
+    _edges->keepWhole();
     _shading->make();
     declareMethod();
     declareTransport();
@@ -323,7 +325,7 @@ WorkGraph::Nodes TileLight::nodes()
     return all;
 }
 
-Status TileLight::update(osg::State& state, const std::function<bool()>& mayContinue)
+Status TileLight::update(osg::State& state, WorkPace* pace)
 {
     Lock computing(_computing);
     const unsigned context = state.getContextID();
@@ -333,14 +335,10 @@ Status TileLight::update(osg::State& state, const std::function<bool()>& mayCont
     // Light stands still: bounces follow it at last.
     if (_graph.isStale(context))
         _inputs->bouncesDue->touch(context);
-    return _graph.run(state,
-                      [&]
-                      {
-                          const bool continues = !mayContinue || mayContinue();
-                          if (!continues)
-                              _unfinished.insert(context);
-                          return continues;
-                      });
+    Status done = _graph.run(state, pace);
+    if (pace && pace->isStopped())
+        _unfinished.insert(context);
+    return done;
 }
 
 bool TileLight::isDirty(unsigned contextID) const

@@ -22,7 +22,6 @@
 #include <OpenThreads/Mutex>
 
 #include <array>
-#include <functional>
 #include <memory>
 #include <set>
 #include <vector>
@@ -99,13 +98,13 @@ public:
     /// Every stage runs again, in every context: its shader may be another.
     void recompute();
 
-    /// Runs the stages whose inputs have changed in this context. mayContinue is asked between two
-    /// of them: where it returns false the tile stays dirty, and the next update goes on with the
-    /// same values, before it takes up what setters have set since: where light changes in every
+    /// Runs the stages whose inputs have changed in this context. Where the pace stops them, also
+    /// within one, the tile stays dirty, and the next update goes on from there with the same
+    /// values, before it takes up what setters have set since: where light changes in every
     /// frame and a budget is short, it would come to no end otherwise. With a
     /// bounceInterval above 1 the tile may be dirty afterwards: the next update, if nothing changes
     /// before, mends that.
-    Status update(osg::State& state, const std::function<bool()>& mayContinue = {});
+    Status update(osg::State& state, WorkPace* pace = nullptr);
     bool isDirty(unsigned contextID) const;
 
     /// Lets go of all that light is computed from and by: what stays is the light, its parts by

@@ -1,5 +1,6 @@
 #include "scene/LitTile.h"
 
+#include "lighting/FarLight.h"
 #include "lighting/TileWindows.h"
 
 #include <algorithm>
@@ -11,9 +12,6 @@ namespace osgTerrainLight
 namespace
 {
 using Lock = std::lock_guard<std::mutex>;
-/// Of its own level around a tile, lit for bounces; ground beyond sends its coarser level's light.
-/// The tool, whose tiles are larger, has bounceMargin.
-constexpr int marginPosts = 32;
 } // namespace
 
 LitTile::LitTile(std::string name, const DemTile& dem, std::shared_ptr<const SceneLight> light)
@@ -27,7 +25,7 @@ LitTile::LitTile(std::string name, const std::shared_ptr<const TileWindows>& win
     : _name(std::move(name)), _surrounded(true), _hasMargin(light->settings.bounces > 0),
       _light(std::move(light))
 {
-    const auto lit = _hasMargin ? withLitMargin(*windows, marginPosts) : windows;
+    const auto lit = _hasMargin ? withLitMargin(*windows, bounceMargin) : windows;
     _margin = {windows->place.column - lit->place.column, windows->place.row - lit->place.row,
                lit->place.endColumn() - windows->place.endColumn(),
                lit->place.endRow() - windows->place.endRow()};
@@ -44,7 +42,7 @@ osg::Matrixd LitTile::fromDrawn() const
 }
 
 Status LitTile::update(osg::State& state, const std::shared_ptr<const SceneLight>& light,
-                       const std::function<bool()>& mayContinue)
+                       WorkPace* pace)
 {
     {
         // Threads of several contexts may be frames apart: only newer light is handed on.
@@ -56,7 +54,7 @@ Status LitTile::update(osg::State& state, const std::shared_ptr<const SceneLight
         if (isNewer(*light))
             _light = light;
     }
-    return _lighting->update(state, mayContinue);
+    return _lighting->update(state, pace);
 }
 
 /// Precondition: _mutex is held.

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -81,10 +80,10 @@ public:
     void setBound(const osg::BoundingSphere& bound) { _bound = bound; }
     const osg::BoundingSphere& bound() const { return _bound; }
 
-    /// Hands the scene's light on and computes what has changed, in draw traversal; mayContinue is
-    /// asked between steps.
+    /// Hands the scene's light on and computes what has changed, in draw traversal, as far as the
+    /// pace lets it.
     Status update(osg::State& state, const std::shared_ptr<const SceneLight>& light,
-                  const std::function<bool()>& mayContinue);
+                  WorkPace* pace);
     /// Whether update() would compute something.
     bool isBehind(unsigned context, const std::shared_ptr<const SceneLight>& light) const;
 

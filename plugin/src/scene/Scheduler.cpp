@@ -173,27 +173,31 @@ void Scheduler::compute(osg::State& state)
         if (!supports(state, context))
             return;
         tiles = inOrder(context);
+        if (!context.clock)
+            context.clock = std::make_shared<WorkClock>(_now);
         clock = context.clock;
     }
     for (const auto& tile : tiles)
         tile->meet(id);
-    const double limit = budget;
     clock->begin(state);
+    FramePace pace(*clock, state, budget);
     bool done = true;
-    bool stopped = false;
-    for (std::size_t i = 0; i < tiles.size() && !stopped; ++i)
-        done = update(*tiles[i], state, *clock, limit, stopped) && done;
+    for (std::size_t i = 0; i < tiles.size() && !pace.isStopped(); ++i)
+        done = update(*tiles[i], state, pace) && done;
+    const double spent = clock->spent();
+    clock->end();
     const std::shared_ptr<const SceneLight> light = this->light();
     Lock lock(_mutex);
+    _contexts[id].milliseconds = spent;
     if (_contexts.size() == 1)
-        rest(tiles, light);
-    if (done && !stopped)
+        restBehind(tiles, light);
+    if (done && !pace.isStopped())
         _contexts[id].done = revision;
 }
 
 /// Those that are seen best keep what their light is computed from.
-void Scheduler::rest(const std::vector<osg::ref_ptr<LitTile>>& inOrder,
-                     const std::shared_ptr<const SceneLight>& light)
+void Scheduler::restBehind(const std::vector<osg::ref_ptr<LitTile>>& inOrder,
+                           const std::shared_ptr<const SceneLight>& light)
 {
     const unsigned id = _contexts.begin()->first;
     std::size_t awake = 0;
@@ -203,9 +207,24 @@ void Scheduler::rest(const std::vector<osg::ref_ptr<LitTile>>& inOrder,
             tile->lighting().rest();
 }
 
-/// Whether the tile is up to date. stopped: the budget is spent.
-bool Scheduler::update(LitTile& tile, osg::State& state, WorkClock& clock, double limit,
-                       bool& stopped)
+void Scheduler::rest(unsigned context)
+{
+    Lock lock(_mutex);
+    if (const auto found = _contexts.find(context); found != _contexts.end())
+        found->second.milliseconds = 0.0;
+}
+
+double Scheduler::milliseconds() const
+{
+    Lock lock(_mutex);
+    double most = 0.0;
+    for (const auto& [id, context] : _contexts)
+        most = std::max(most, context.milliseconds);
+    return most;
+}
+
+/// Whether the tile is up to date; not where the pace has stopped.
+bool Scheduler::update(LitTile& tile, osg::State& state, FramePace& pace)
 {
     const unsigned id = state.getContextID();
     const std::shared_ptr<const SceneLight> light = this->light();
@@ -214,20 +233,11 @@ bool Scheduler::update(LitTile& tile, osg::State& state, WorkClock& clock, doubl
     if (stage == LitTile::Stage::Failed ||
         (stage == LitTile::Stage::Lit && !tile.isBehind(id, light)))
         return true;
-    const auto isSpent = [&] { return limit > 0.0 && clock.spent() > limit; };
-    stopped = clock.steps() > 0 && isSpent();
-    if (stopped)
+    if (!pace.goesOn())
         return false;
-    const double posts = double(tile.lighting().width()) * tile.lighting().height();
     const osg::ref_ptr<osg::Texture2DArray> gloss = tile.lighting().glossLight();
     const osg::ref_ptr<osg::Texture2D> edges = tile.lighting().shadowEdges();
-    const Status updated = tile.update(state, light,
-                                       [&]
-                                       {
-                                           clock.step(state, posts);
-                                           stopped = isSpent();
-                                           return !stopped;
-                                       });
+    const Status updated = tile.update(state, light, &pace);
     if (tile.lighting().glossLight() != gloss || tile.lighting().shadowEdges() != edges)
         ++_textureRevision;
     if (!updated)
@@ -237,9 +247,8 @@ bool Scheduler::update(LitTile& tile, osg::State& state, WorkClock& clock, doubl
                  << "; drawing it unlit" << std::endl;
         return true;
     }
-    if (stopped)
+    if (pace.isStopped())
         return false; // what was lit keeps its light until the rest has been computed
-    clock.step(state, posts);
     tile.setStage(id, LitTile::Stage::Lit);
     return !tile.isBehind(id, light); // bounces may wait for their turn, changes for this one
 }

@@ -20,7 +20,11 @@ namespace osgTerrainLight
 class Scheduler : public osg::Referenced
 {
 public:
-    Scheduler() : _light(std::make_shared<SceneLight>()) {}
+    /// now: of its clocks.
+    explicit Scheduler(WorkClock::Now now = {})
+        : _now(std::move(now)), _light(std::make_shared<SceneLight>())
+    {
+    }
 
     void add(LitTile* tile);
     void remove(LitTile* tile);
@@ -57,9 +61,12 @@ public:
     /// Nothing is done where nothing waits.
     void see(const osgUtil::CullVisitor& cull);
 
-    /// Computes what has changed within the budget, which it exceeds by one step at most. Needs a
-    /// current context.
+    /// Computes what has changed within the budget (FramePace). Needs a current context.
     void compute(osg::State& state);
+    /// In cull traversal: in this frame there is nothing to compute.
+    void rest(unsigned context);
+    /// Spent on light in the last frame of the context where it was most [ms].
+    double milliseconds() const;
 
 private:
     ~Scheduler() override = default;
@@ -75,21 +82,23 @@ private:
         bool asked = false, supported = false;
         unsigned done = 0; ///< revision at which every tile was up to date
         std::map<const LitTile*, Sight> sights;
-        std::shared_ptr<WorkClock> clock = std::make_shared<WorkClock>();
+        std::shared_ptr<WorkClock> clock;
+        double milliseconds = 0.0; ///< in the last frame
     };
     bool supports(osg::State& state, Context& context);
     std::vector<osg::ref_ptr<LitTile>> inOrder(const Context& context) const;
     /// Tiles among others that keep all that their light is computed from, so that the next change
     /// of light costs less: about 20 MiB each.
     static constexpr std::size_t mostAwake = 32;
-    void rest(const std::vector<osg::ref_ptr<LitTile>>& inOrder,
-              const std::shared_ptr<const SceneLight>& light);
-    bool update(LitTile& tile, osg::State& state, WorkClock& clock, double limit, bool& stopped);
+    void restBehind(const std::vector<osg::ref_ptr<LitTile>>& inOrder,
+                    const std::shared_ptr<const SceneLight>& light);
+    bool update(LitTile& tile, osg::State& state, FramePace& pace);
     bool isDone(const Context& context) const
     {
         return (context.asked && !context.supported) || context.done == _revision;
     }
 
+    const WorkClock::Now _now;
     mutable std::mutex _mutex; ///< never held during a dispatch
     std::vector<osg::ref_ptr<LitTile>> _tiles;
     int _alone = 0;          ///< tiles that nothing surrounds

@@ -601,6 +601,23 @@ unsigned TerrainLighting::getDispatchCount() const
     return sum;
 }
 
+LightingStatistics TerrainLighting::getStatistics() const
+{
+    LightingStatistics found;
+    for (const TileHandle& handle : getTileHandles())
+    {
+        const TileState::Stage stage = getTileState(handle).stage;
+        ++found.tiles;
+        found.lit += stage == TileState::Stage::Lit ? 1 : 0;
+        found.failed += stage == TileState::Stage::Failed ? 1 : 0;
+    }
+    found.waiting = found.tiles - found.lit - found.failed;
+    _implementation->forEachLit([&](const LitTile& tile)
+                                { found.bytes += tile.lighting().bytes(); });
+    found.milliseconds = _implementation->scheduler->milliseconds();
+    return found;
+}
+
 std::string TerrainLighting::getFailure() const
 {
     const std::string failure = _implementation->scheduler->failure();
@@ -619,6 +636,8 @@ void TerrainLighting::traverse(osg::NodeVisitor& visitor)
             here.scheduler->see(*cull);
             here.compute->accept(visitor);
         }
+        else
+            here.scheduler->rest(state->getContextID());
         cull->pushStateSet(here.uniforms.stateSet());
         osg::Group::traverse(visitor);
         cull->popStateSet();

@@ -4,6 +4,7 @@
 #include <osg/GLExtensions>
 
 #include <algorithm>
+#include <chrono>
 
 #ifndef GL_TIMESTAMP
 #define GL_TIMESTAMP 0x8E28
@@ -19,7 +20,13 @@ namespace osgTerrainLight
 namespace
 {
 constexpr std::size_t mostMarks = 256; // a driver that is so far behind is not asked for more
-constexpr double newest = 0.25;        // weight of the last step in the mean
+// Weight of the newest piece in a mean that it raises or lowers.
+constexpr double higher = 0.5, lower = 0.25;
+constexpr double tolerated = 1.1; // of the budget: as much again is left for what is not foreseen
+constexpr double largest = 1.0 / 8.0; // piece, of the budget
+// A first piece takes as long [ms] where the budget is less: more pieces would cost more.
+constexpr double shortest = 0.5;
+constexpr unsigned unmeasured = 4; // groups of a piece of unknown cost: one per core of a small one
 
 class QueryManager : public osg::GLObjectManager
 {
@@ -38,6 +45,17 @@ private:
 };
 } // namespace
 
+WorkClock::WorkClock(Now now) : _now(std::move(now))
+{
+    if (_now)
+        return;
+    _now = []
+    {
+        const auto time = std::chrono::steady_clock::now().time_since_epoch();
+        return std::chrono::duration<double, std::milli>(time).count();
+    };
+}
+
 WorkClock::~WorkClock()
 {
     for (const Mark& mark : _marks)
@@ -51,33 +69,62 @@ void WorkClock::begin(osg::State& state)
     if (!_gone)
         _gone = osg::get<QueryManager>(state.getContextID());
     collect(state);
-    _start = std::chrono::steady_clock::now();
-    _expected = 0.0;
-    _steps = 0;
-    mark(state, 0.0);
+    const osg::FrameStamp* stamp = state.getFrameStamp();
+    const long long frame = stamp ? static_cast<long long>(stamp->getFrameNumber()) : -1;
+    if (frame < 0 || frame != _frame)
+    {
+        _before = 0.0;
+        _expected = 0.0;
+        _steps = 0;
+    }
+    _frame = frame;
+    _begun = _started = _now();
+    mark(state, nullptr, 0);
 }
 
-void WorkClock::step(osg::State& state, double posts)
+void WorkClock::step(osg::State& state, const std::string& kind, unsigned groups)
 {
+    Cost& cost = _costs[kind];
     ++_steps;
-    _expected += _perPost * posts;
-    mark(state, posts);
+    _expected += cost.gpu.value() * groups;
+    mark(state, &cost, groups);
+    cost.wall.add((_now() - _started) / groups);
 }
 
 double WorkClock::spent() const
 {
-    const std::chrono::duration<double, std::milli> wall =
-        std::chrono::steady_clock::now() - _start;
-    return std::max(wall.count(), _expected);
+    return std::max(wall(), _expected);
 }
 
-void WorkClock::mark(osg::State& state, double posts)
+double WorkClock::expected(const std::string& kind) const
+{
+    const auto found = _costs.find(kind);
+    return found == _costs.end() ? 0.0
+                                 : std::max(found->second.wall.value(), found->second.gpu.value());
+}
+
+/// The first piece of a kind also compiles shaders: what is far below the mean takes its place.
+void WorkClock::Mean::add(double value)
+{
+    value = std::max(value, 1.0e-9); // a clock that is too coarse
+    if (_value == 0.0 || value < 0.5 * _value)
+        _value = value;
+    else
+        _value += (value > _value ? higher : lower) * (value - _value);
+}
+
+void WorkClock::mark(osg::State& state, Cost* cost, unsigned groups)
 {
     const auto* gl = state.get<osg::GLExtensions>();
     if (!gl->isARBTimerQuerySupported || _marks.size() >= mostMarks)
+    {
+        _hasGap = true;
         return;
+    }
     Mark mark;
-    mark.posts = posts;
+    mark.cost = _hasGap ? nullptr : cost;
+    mark.groups = groups;
+    _hasGap = false;
     if (_queries.empty())
         gl->glGenQueries(1, &mark.query);
     else
@@ -103,13 +150,39 @@ void WorkClock::collect(osg::State& state)
         gl->glGetQueryObjectui64v(mark.query, GL_QUERY_RESULT, &time);
         _queries.push_back(mark.query);
         _marks.pop_front();
-        if (mark.posts > 0.0 && time >= _last)
-        {
-            const double perPost = 1.0e-6 * static_cast<double>(time - _last) / mark.posts;
-            _perPost += (_perPost > 0.0 ? newest : 1.0) * (perPost - _perPost);
-        }
+        if (mark.cost && time >= _last)
+            mark.cost->gpu.add(1.0e-6 * static_cast<double>(time - _last) / mark.groups);
         _last = time;
     }
+}
+
+void FramePace::ran(const std::string& kind, unsigned groups)
+{
+    _clock.step(_state, kind, groups);
+}
+
+bool FramePace::mayContinue()
+{
+    return _limit <= 0.0 || _clock.steps() == 0 || _clock.spent() < _limit;
+}
+
+unsigned FramePace::choose(const std::string& kind, unsigned left, unsigned least)
+{
+    _clock.start();
+    if (_limit <= 0.0)
+        return left;
+    const bool isFirst = _clock.steps() == 0;
+    const double each = _clock.expected(kind);
+    if (each == 0.0)
+        return isFirst ? std::max(least, std::min(left, unmeasured)) : 0;
+    const double spent = _clock.spent();
+    if (!isFirst && (spent >= _limit || spent + each * least > tolerated * _limit))
+        return 0;
+    double time = std::min(_limit - spent, largest * _limit);
+    if (isFirst)
+        time = std::max(time, shortest);
+    const double groups = std::min(time / each, static_cast<double>(left));
+    return std::max(least, static_cast<unsigned>(std::max(groups, 0.0)));
 }
 
 } // namespace osgTerrainLight

@@ -14,6 +14,7 @@ FrameHeightsNode::FrameHeightsNode(const TileInputs& inputs, const TileSurface& 
 {
     reads(inputs.postsValue);
     writes(surface.heights());
+    surface.heights()->keepWhole(); // a host may write the posts meanwhile
     _pass->reads("eastSpacings", surface.eastSpacings());
     _pass->set("size", surface.width(), surface.height());
     _pass->set("frame", surface.frame());

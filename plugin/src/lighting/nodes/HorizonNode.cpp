@@ -102,6 +102,12 @@ void HorizonNode::aim()
     const DemTile& tile = _surface->tile();
     const std::vector<MapDirection> wanted = _wanted();
     assert(static_cast<int>(wanted.size()) == _horizon->layout().layers);
+    const auto isSame = [](const MapDirection& a, const MapDirection& b)
+    { return a.east == b.east && a.north == b.north; };
+    if (_stepLengths->texture() &&
+        std::equal(wanted.begin(), wanted.end(), _aimed.begin(), _aimed.end(), isSame))
+        return; // a run that goes on
+    _aimed = wanted;
     _directions.clear();
     _maxLines = 0;
     Raster<float> lengths(static_cast<int>(wanted.size()), tile.height());

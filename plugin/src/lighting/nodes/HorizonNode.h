@@ -73,6 +73,7 @@ private:
     osg::ref_ptr<const TileSurface> _surface;
     HorizonScheme _scheme;
     Directions _wanted;
+    std::vector<MapDirection> _aimed; ///< what follows is of these
     int _maxLines = 0;
     std::vector<osg::Vec4f> _directions;
     Resource *_horizon, *_dropped, *_stepLengths;

@@ -1,0 +1,371 @@
+#include "terrain/PagedTerrain.h"
+
+#include "io/RasterSource.h"
+#include "lighting/TileWindows.h"
+#include "scene/TerrainTileReader.h"
+#include "support/GlContext.h"
+#include "support/MemoryRaster.h"
+#include "support/ScenePicture.h"
+#include "support/TestFolder.h"
+#include "support/Tiles.h"
+#include "terrain/TerrainModel.h"
+
+#include <osg/PagedLOD>
+#include <osg/Texture>
+#include <osgDB/DatabasePager>
+#include <osgTerrain/Layer>
+#include <osgUtil/UpdateVisitor>
+
+#include <chrono>
+#include <cmath>
+#include <random>
+#include <thread>
+
+using namespace osgTerrainLight;
+
+namespace
+{
+/// Valleys of several sizes, steps of 30 m, and a lone mountain in the north-east; 8 % of posts in
+/// the south-west are void. With overviews by the nearest pixel.
+std::string hillyRaster(int side, double cell = 30.0, bool holes = false)
+{
+    MemoryRaster raster;
+    raster.width = raster.height = side;
+    raster.transform = {500000.0, cell, 0.0, 4000000.0, 0.0, -cell};
+    raster.values.clear();
+    raster.noData = -9999.0;
+    for (int row = 0; row < side; ++row)
+        for (int column = 0; column < side; ++column)
+        {
+            const double x = column - 0.7 * side, y = row - 0.3 * side;
+            double height = 900.0 + 150.0 * std::sin(0.031 * column) * std::cos(0.023 * row) +
+                            40.0 * std::sin(0.17 * column + 0.11 * row) +
+                            6.0 * std::sin(0.9 * column) * std::sin(1.1 * row) +
+                            1500.0 * std::exp(-(x * x + y * y) / (0.01 * side * side));
+            const bool hole = holes && column < 0.28 * side && row > 0.72 * side;
+            raster.values.push_back(hole ? -9999.0 : 30.0 * std::round(height / 30.0));
+        }
+    raster.creation = {"TILED=YES"};
+    const std::string path = raster.write();
+    GDALDatasetUniquePtr dataset(GDALDataset::Open(path.c_str(), GDAL_OF_UPDATE));
+    std::vector<int> factors;
+    for (int factor = 2; side / factor > 64; factor *= 2)
+        factors.push_back(factor);
+    EXPECT_EQ(dataset->BuildOverviews("NEAREST", static_cast<int>(factors.size()), factors.data(),
+                                      0, nullptr, nullptr, nullptr),
+              CE_None);
+    return path;
+}
+
+osg::ref_ptr<PagedTerrain> paged(const std::string& path, int cellsLog2 = 8,
+                                 std::vector<DrapedColour> colours = {})
+{
+    auto source = OverviewSource::open(path, {}, cellsLog2);
+    EXPECT_TRUE(source) << source.error().message;
+    return new PagedTerrain(std::move(*source), std::move(colours), HorizonQuality::Normal);
+}
+
+/// The tiles in a graph that is loaded.
+std::vector<osgTerrain::TerrainTile*> tilesIn(osg::Node& node)
+{
+    struct Finder : osg::NodeVisitor
+    {
+        Finder() : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN) {}
+        void apply(osg::Group& group) override
+        {
+            if (auto* tile = dynamic_cast<osgTerrain::TerrainTile*>(&group))
+                tiles.push_back(tile);
+            else
+                traverse(group);
+        }
+        std::vector<osgTerrain::TerrainTile*> tiles;
+    } finder;
+    node.accept(finder);
+    return finder.tiles;
+}
+
+std::shared_ptr<const TileWindows> windowsOf(const osgTerrain::TerrainTile& tile)
+{
+    return dynamic_cast<const DemData&>(*tile.getUserData()).windows();
+}
+
+osg::ref_ptr<osg::Node> childrenOf(PagedTerrain& terrain, const std::string& name)
+{
+    const osgDB::ReaderWriter::ReadResult read = terrain.readNode(name, nullptr);
+    EXPECT_TRUE(read.validNode()) << name << ": " << read.message();
+    return read.getNode();
+}
+
+osgTerrain::TerrainTile* tileAt(osg::Node& node, int x, int y)
+{
+    for (osgTerrain::TerrainTile* tile : tilesIn(node))
+        if (tile->getTileID().x == x && tile->getTileID().y == y)
+            return tile;
+    return nullptr;
+}
+
+bool same(const Raster<float>& a, const Raster<float>& b)
+{
+    return a.width() == b.width() && a.height() == b.height() &&
+           std::equal(a.values().begin(), a.values().end(), b.values().begin(),
+                      [](float one, float other)
+                      { return one == other || (std::isnan(one) && std::isnan(other)); });
+}
+
+/// Frames until nothing is loaded and all tiles are lit.
+void drawAll(ScenePicture& picture, const TerrainLighting& lighting)
+{
+    const auto& pager = *picture.viewer().getDatabasePager();
+    int still = 0;
+    for (int frame = 0; frame < 2000 && still < 3; ++frame)
+    {
+        picture.draw();
+        const LightingStatistics now = lighting.getStatistics();
+        const bool loading = pager.getRequestsInProgress() || pager.requiresUpdateSceneGraph();
+        still = !loading && now.lit == now.tiles ? still + 1 : 0;
+        if (loading)
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    EXPECT_EQ(still, 3) << "it does not come to rest";
+}
+} // namespace
+
+TEST(PagedTerrain, SmallRastersAreOneTile)
+{
+    const std::string path = hillyRaster(300);
+    EXPECT_FALSE(isPaged(path, {}));
+    const Result<TerrainModel> model = loadRaster(path, {}, {});
+    ASSERT_TRUE(model) << model.error().message;
+    EXPECT_EQ(tilesIn(*model->node).size(), 1u);
+    EXPECT_FALSE(windowsOf(*tilesIn(*model->node)[0]));
+    EXPECT_TRUE(isPaged(hillyRaster(2100), {}));
+    EXPECT_FALSE(isPaged("/vsimem/not_there.tif", {}));
+}
+
+TEST(PagedTerrain, TilesStandByTheirPlace)
+{
+    const osg::ref_ptr<PagedTerrain> terrain = paged(hillyRaster(200), 5);
+    const int root = terrain->source().root();
+    ASSERT_EQ(root, 3); // 199 cells in 8 tiles of 32
+    const Result<osg::ref_ptr<osg::Node>> top = terrain->root();
+    ASSERT_TRUE(top);
+    ASSERT_EQ(tilesIn(**top).size(), 1u);
+    EXPECT_TRUE(tilesIn(**top)[0]->getTileID() == osgTerrain::TileID(0, 0, 0));
+    const osg::ref_ptr<osg::Node> children = childrenOf(*terrain, "3/0/0");
+    ASSERT_EQ(tilesIn(*children).size(), 4u);
+    EXPECT_TRUE(tileAt(*children, 1, 0)->getTileID() == osgTerrain::TileID(1, 1, 0));
+    // The raster lies in the north-west: in the south-east of the quadtree there is nothing.
+    const osg::ref_ptr<osg::Node> corner = childrenOf(*terrain, "1/3/0");
+    EXPECT_TRUE(tilesIn(*corner).empty());
+    // No finest tile has children, and no other name has any.
+    for (const char* name : {"0/1/1", "", "country.tif", "2/x/1"})
+        EXPECT_TRUE(terrain->readNode(name, nullptr).notFound()) << name;
+}
+
+TEST(PagedTerrain, NeighboursShareTheirEdge)
+{
+    const osg::ref_ptr<PagedTerrain> terrain = paged(hillyRaster(200), 5);
+    for (const char* name : {"1/0/2", "2/0/1", "3/0/0"})
+    {
+        const osg::ref_ptr<osg::Node> children = childrenOf(*terrain, name);
+        const std::vector<osgTerrain::TerrainTile*> tiles = tilesIn(*children);
+        ASSERT_EQ(tiles.size(), 4u);
+        const DemTile& west = windowsOf(*tiles[0])->tile;
+        const DemTile& east = windowsOf(*tiles[1])->tile;
+        const DemTile& north = windowsOf(*tiles[2])->tile;
+        for (int i = 0; i <= 32; ++i)
+        {
+            EXPECT_EQ(west.heightAt(32, i), east.heightAt(0, i));
+            EXPECT_EQ(west.heightAt(i, 32), north.heightAt(i, 0));
+        }
+        // Drawn where they are, in the frame of the scene.
+        const osg::BoundingSphere a = tiles[0]->getParent(0)->getBound();
+        const osg::BoundingSphere b = tiles[1]->getParent(0)->getBound();
+        const int level = name[0] - '0' - 1;
+        EXPECT_NEAR(b.center().x() - a.center().x(), 32 * 30.0 * (1 << level), 1e-3);
+    }
+}
+
+TEST(PagedTerrain, SkirtsHangFromTilesAndAreNotLitBy)
+{
+    const osg::ref_ptr<PagedTerrain> terrain = paged(hillyRaster(200), 5);
+    const osg::ref_ptr<osg::Node> children = childrenOf(*terrain, "1/0/2");
+    for (osgTerrain::TerrainTile* tile : tilesIn(*children))
+    {
+        const auto* layer =
+            dynamic_cast<const osgTerrain::HeightFieldLayer*>(tile->getElevationLayer());
+        ASSERT_TRUE(layer);
+        const DemTile& dem = windowsOf(*tile)->tile;
+        float range = 0.0f;
+        for (int i = 0; i + 1 < dem.width(); ++i)
+            range = std::max(range, std::abs(dem.heightAt(i, 0) - dem.heightAt(i + 1, 0)));
+        EXPECT_GE(layer->getHeightField()->getSkirtHeight(), range);
+        for (int row = 0; row < dem.height(); ++row)
+            for (int column = 0; column < dem.width(); ++column)
+                ASSERT_EQ(layer->getHeightField()->getHeight(static_cast<unsigned>(column),
+                                                             static_cast<unsigned>(row)),
+                          dem.heightAt(column, row));
+    }
+}
+
+// What a tile is lit by comes from the raster alone.
+TEST(PagedTerrain, LightDoesNotDependOnWhatElseIsLoaded)
+{
+    const std::string path = hillyRaster(600);
+    std::vector<std::string> names = {"4/0/0"};
+    for (int level = 3; level >= 1; --level)
+        for (int y = 0; y < 1 << (4 - level); ++y)
+            for (int x = 0; x < 1 << (4 - level); ++x)
+                names.push_back(std::to_string(level) + "/" + std::to_string(x) + "/" +
+                                std::to_string(y));
+    const osg::ref_ptr<PagedTerrain> alone = paged(path, 6);
+    ASSERT_EQ(alone->source().root(), 4);
+    const osg::ref_ptr<osg::Node> expected = childrenOf(*alone, "1/3/6");
+    for (unsigned seed = 0; seed < 10; ++seed)
+    {
+        std::shuffle(names.begin(), names.end(), std::mt19937(seed));
+        const osg::ref_ptr<PagedTerrain> shuffled = paged(path, 6);
+        for (const std::string& name : names)
+            childrenOf(*shuffled, name);
+        const osg::ref_ptr<osg::Node> found = childrenOf(*shuffled, "1/3/6");
+        const auto before = tilesIn(*expected), after = tilesIn(*found);
+        ASSERT_EQ(before.size(), after.size());
+        for (std::size_t i = 0; i < before.size(); ++i)
+        {
+            const TileWindows& one = *windowsOf(*before[i]);
+            const TileWindows& other = *windowsOf(*after[i]);
+            EXPECT_TRUE(same(one.heights, other.heights));
+            ASSERT_EQ(one.levels.size(), other.levels.size());
+            for (std::size_t k = 0; k < one.levels.size(); ++k)
+                for (std::size_t axis = 0; axis < 2; ++axis)
+                    EXPECT_TRUE(same(one.levels[k].heights[axis], other.levels[k].heights[axis]));
+        }
+    }
+}
+
+// Expected: the same tile with windows of all posts of the raster (RasterSource), on ground that no
+// setting was tuned on. What overviews by the nearest pixel miss lies beyond two rings, 256 posts
+// and more away.
+TEST(PagedTerrain, SeesWhatTheWholeRasterShows)
+{
+    OTL_NEED_GL(context);
+    const std::string path = hillyRaster(2305);
+    const osg::ref_ptr<PagedTerrain> terrain = paged(path);
+    const osg::ref_ptr<osg::Node> children = childrenOf(*terrain, "1/2/5");
+    osgTerrain::TerrainTile* tile = tileAt(*children, 5, 11);
+    ASSERT_TRUE(tile);
+    const auto drawn = windowsOf(*tile);
+
+    RasterSourceOptions options;
+    options.cacheFolder = testFolder().string();
+    const auto exact = RasterSource::open(path, options);
+    ASSERT_TRUE(exact) << exact.error().message;
+    const PostRect place = terrain->source().terrain();
+    PostRect posts = drawn->place;
+    posts.column -= place.column;
+    posts.row -= place.row;
+    const auto whole = readWindows(**exact, 0, posts, HorizonQuality::Normal);
+    ASSERT_TRUE(whole);
+
+    const testing::TileCase lit = testing::underSky(32);
+    const auto horizons = [&](const std::shared_ptr<const TileWindows>& windows)
+    {
+        const osg::ref_ptr<TileLight> light = new TileLight(windows, lit.settings, lit.sky);
+        EXPECT_TRUE(light->update(context->state()));
+        return testing::horizonsOf(context->state(), *light);
+    };
+    const testing::Differences differences =
+        testing::differencesOf(horizons(*whole), horizons(drawn));
+    std::printf("horizons with overviews from those with all posts: median %.4f, mean %.4f, p99 "
+                "%.3f, worst %.2f degrees\n",
+                differences.median, differences.mean, differences.p99, differences.worst);
+    EXPECT_LT(differences.mean, 0.02);
+    EXPECT_LT(differences.p99, 0.3);
+}
+
+TEST(PagedTerrain, IsLoadedByThePagerAndLit)
+{
+    OTL_NEED_GL(context);
+    const std::string path = hillyRaster(2305, 30.0, true);
+    LightParameters light;
+    light.settings.azimuths = 8;
+    const Result<TerrainModel> model = loadRaster(path, {}, light);
+    ASSERT_TRUE(model) << model.error().message;
+    TerrainLighting& lighting = *model->node;
+    EXPECT_EQ(tilesIn(lighting).size(), 1u);
+    const Said said;
+    ScenePicture picture(&lighting, 3000.0); // 128 pixels for 6 km: level 0 has 200 posts there
+    picture.viewer().getCamera()->setLODScale(0.2f);
+    drawAll(picture, lighting);
+    const LightingStatistics statistics = lighting.getStatistics();
+    EXPECT_GE(statistics.tiles, 9u);
+    EXPECT_EQ(statistics.lit, statistics.tiles);
+    EXPECT_EQ(said.text().find("lit alone"), std::string::npos) << said.text();
+    // In a still scene nothing runs.
+    const unsigned before = lighting.getDispatchCount();
+    picture.draw(3);
+    EXPECT_EQ(lighting.getDispatchCount(), before);
+    EXPECT_EQ(lighting.getStatistics().milliseconds, 0.0);
+}
+
+// A level that comes and goes leaves nothing: as many textures, and as much memory for them, after
+// the last of many rounds as after the first ones.
+TEST(PagedTerrain, LevelsThatComeAndGoLeaveNothing)
+{
+    OTL_NEED_GL(context);
+    const osg::ref_ptr<PagedTerrain> terrain = paged(hillyRaster(300), 5);
+    const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 8);
+    const osg::ref_ptr<osg::Group> finer = new osg::Group;
+    lighting->addChild(finer);
+    ScenePicture picture(lighting, 2000.0);
+    const auto textures = [&]
+    {
+        picture.draw(8); // what is released waits for frames that are still drawn
+        auto* manager = osg::get<osg::TextureObjectManager>(picture.state().getContextID());
+        return std::pair(manager->getNumberActiveTextureObjects() +
+                             manager->getNumberOrphanedTextureObjects(),
+                         manager->getCurrTexturePoolSize());
+    };
+    std::pair<unsigned, unsigned> first;
+    for (int round = 0; round < 200; ++round)
+    {
+        const std::string name = "1/" + std::to_string(1 + round % 3) + "/4";
+        finer->addChild(childrenOf(*terrain, name));
+        picture.draw(2);
+        EXPECT_EQ(lighting->getTileCount(), 4u);
+        finer->removeChildren(0, finer->getNumChildren());
+        if (round == 3)
+            first = textures();
+    }
+    EXPECT_EQ(textures(), first);
+    EXPECT_EQ(lighting->getTileCount(), 0u);
+    EXPECT_EQ(lighting->getTileHandles().size(), 0u);
+    EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+}
+
+TEST(PagedTerrain, DrapesPicturesAtTheirOwnResolution)
+{
+    const std::string path = hillyRaster(200); // 6000 m
+    MemoryRaster picture;
+    picture.type = GDT_Byte;
+    picture.width = picture.height = 1200; // of 5 m
+    picture.transform = {500000.0, 5.0, 0.0, 4000000.0, 0.0, -5.0};
+    picture.bands = 1;
+    picture.values.assign(1200 * 1200, 0.0);
+    for (std::size_t i = 0; i < picture.values.size(); ++i)
+        picture.values[i] = (i / 8 + i / 1200 / 8) % 2 == 0 ? 40.0 : 200.0;
+    const osg::ref_ptr<PagedTerrain> terrain =
+        paged(path, 5, {{picture.write(), 1.0}, {"/vsimem/not_there.png", 1.0}});
+    const Said said;
+    const osg::ref_ptr<osg::Node> finest = childrenOf(*terrain, "1/0/3");
+    const osg::ref_ptr<osg::Node> coarse = childrenOf(*terrain, "3/0/0");
+    const auto widthOf = [](osgTerrain::TerrainTile& tile)
+    {
+        const osgTerrain::Layer* layer = tile.getColorLayer(0);
+        return layer && layer->getImage() ? layer->getImage()->s() : 0;
+    };
+    // 32 cells of 30 m are 192 pixels; of 120 m 768, which are too many.
+    EXPECT_NEAR(widthOf(*tilesIn(*finest)[0]), 192, 2);
+    EXPECT_EQ(widthOf(*tilesIn(*coarse)[0]), 512);
+    EXPECT_EQ(said.count("not_there.png"), 1) << said.text();
+}
