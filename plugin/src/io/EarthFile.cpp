@@ -80,7 +80,6 @@ public:
                 return read.error();
         }
         followSky();
-        compareVerticalDatums();
         if (_map.elevations.empty() && _map.images.empty())
             return _xml.error(_xml.lineOf(root),
                               "holds no layer that can be drawn" +
@@ -138,7 +137,14 @@ private:
             readViewpoints(element);
         else if (tag == "sky")
             readSky(element);
-        return tag == "viewpoints" || tag == "sky";
+        else if (tag == "profile" && !valueOf(element, "vdatum").empty())
+        {
+            _map.verticalDatum = datumName(valueOf(element, "vdatum"));
+            nameUnread(element, whatOf(element), {"vdatum"});
+        }
+        else
+            return false;
+        return true;
     }
 
     void readParts(const pugi::xml_node& element)
@@ -150,7 +156,7 @@ private:
                 (readPart(child) ? hasParts : hasOthers) = true;
         if (hasOthers || !hasParts)
             leaveOut(element, whatOf(element),
-                     hasParts ? "only its sky and its viewpoints are read"
+                     hasParts ? "only its sky, its viewpoints and its vertical datum are read"
                               : "of a kind that is not known here",
                      !drawsNothing(lowerCase(element.name())));
     }
@@ -332,31 +338,6 @@ private:
         (kind.kind.isElevation ? _map.elevations : _map.images).push_back(layer);
         nameUnread(element, what, read);
         return Nothing{};
-    }
-
-    /// Heights above another datum lie wrong beside the others, since none are converted. Where all
-    /// have the same one, light does not depend on it.
-    void compareVerticalDatums()
-    {
-        const auto datumOf = [](const EarthLayer& layer)
-        {
-            return layer.verticalDatum.empty() ? "a vertical datum that is not named"
-                                               : "the vertical datum " + layer.verticalDatum;
-        };
-        const std::size_t before = _map.warnings.size();
-        for (const EarthLayer& layer : _map.elevations)
-            if (const EarthLayer& first = _map.elevations.front();
-                layer.verticalDatum != first.verticalDatum)
-                _map.warnings.push_back(_xml.error(layer.line, "the heights of " + layer.what +
-                                                                   " are above " + datumOf(layer) +
-                                                                   ", those of " + first.what +
-                                                                   " above " + datumOf(first) +
-                                                                   "; they are not converted")
-                                            .message);
-        if (_map.warnings.size() == before && !_map.elevations.empty() &&
-            !_map.elevations.front().verticalDatum.empty())
-            _map.notes.push_back(_xml.source() + ": all heights are above " +
-                                 datumOf(_map.elevations.front()));
     }
 
     /// Keys of a layer that other readers of the format know, such as min_level and profile. read:

@@ -1,11 +1,16 @@
 #include "scene/TerrainModel.h"
 
 #include "io/CompositeDem.h"
+#include "io/HeightShift.h"
 #include "io/TileRaster.h"
+
+#include <osgDB/FileUtils>
 
 #include <cctype>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
+#include <memory>
 #include <utility>
 
 namespace osgTerrainLight
@@ -98,11 +103,76 @@ private:
             }
             else
                 leaveOut(layer, path.error());
+        bringToOneDatum(dems, layers);
         CompositeDem composite = readComposite(dems, mostDrawnPosts);
         for (const auto& [number, reason] : composite.leftOut)
             leaveOut(*layers[number], reason);
         _model.notes.insert(_model.notes.end(), composite.notes.begin(), composite.notes.end());
         _tile = std::move(composite.tile);
+    }
+
+    /// A file of a geoid's grid is relative to the map, or one of PROJ's own.
+    VerticalDatum datumOf(const std::string& name) const
+    {
+        const std::string path = resolved(name, _folder);
+        const bool isFile = name.find('.') != std::string::npos && osgDB::fileExists(path);
+        VerticalDatum datum = verticalDatumByName(isFile ? path : name);
+        datum.name = name;
+        return datum;
+    }
+
+    /// Heights above another vertical datum than that of the map, which is that of the first layer
+    /// where the map names none, are converted where PROJ can. That is said, or why not.
+    void bringToOneDatum(std::vector<DemLayer>& dems, const std::vector<const EarthLayer*>& layers)
+    {
+        const auto called = [](const VerticalDatum& datum)
+        {
+            return datum.isNamed() ? "the vertical datum " + datum.name
+                                   : std::string("a vertical datum that is not named");
+        };
+        VerticalDatum common = datumOf(_map.verticalDatum);
+        std::string whose = "those of the map";
+        bool areAllAlike = true, isFirst = true;
+        for (std::size_t i = 0; i < dems.size(); ++i)
+        {
+            const Result<DemInfo> info = describeDem(dems[i].path, dems[i].read);
+            if (!info)
+                continue; // left out later
+            const EarthLayer& layer = *layers[i];
+            const VerticalDatum own = layer.verticalDatum.empty()
+                                          ? verticalDatumOfCrs(info->frame.crs)
+                                          : datumOf(layer.verticalDatum);
+            if (isFirst && !common.isNamed())
+            {
+                common = own;
+                whose = "those of " + layer.what;
+            }
+            isFirst = false;
+            if (own.known == common.known)
+                continue;
+            areAllAlike = false;
+            const std::string start = _source + ":" + std::to_string(layer.line) +
+                                      ": the heights of " + layer.what + " are ";
+            const Result<HeightShift> shift =
+                own.isNamed() && common.isNamed()
+                    ? HeightShift::between(own, common, info->frame)
+                    : Result<HeightShift>(Error{ErrorCode::NotFound, "needs vdatum for both"});
+            if (shift)
+            {
+                char range[64];
+                std::snprintf(range, sizeof range, "%.2f ... %.2f m", shift->lowest(),
+                              shift->highest());
+                dems[i].read.shift = std::make_shared<HeightShift>(*shift);
+                _model.notes.push_back(start + "converted from " + called(own) + " to " +
+                                       called(common) + ", by " + range);
+            }
+            else
+                _model.warnings.push_back(start + "above " + called(own) + ", " + whose +
+                                          " above " + called(common) +
+                                          "; they are not converted: " + shift.error().message);
+        }
+        if (areAllAlike && !isFirst && common.isNamed())
+            _model.notes.push_back(_source + ": all heights are above " + called(common));
     }
 
     /// Over those before; where there is no elevation, the first one gives the terrain's extent.
