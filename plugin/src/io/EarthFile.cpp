@@ -80,6 +80,7 @@ public:
                 return read.error();
         }
         followSky();
+        beginAtHome();
         if (_map.elevations.empty() && _map.images.empty())
             return _xml.error(_xml.lineOf(root),
                               "holds no layer that can be drawn" +
@@ -213,15 +214,42 @@ private:
             if (lowerCase(child.name()) != "viewpoint")
                 continue;
             const std::string what = whatOf(child);
-            if (const Result<EarthViewpoint> viewpoint = readViewpoint(child))
+            if (Result<EarthViewpoint> viewpoint = readViewpoint(child))
             {
+                viewpoint->what = what;
+                viewpoint->line = _xml.lineOf(child);
                 _map.viewpoints.push_back(*viewpoint);
                 nameUnread(child, what, {viewpointKeys.begin(), viewpointKeys.end()});
             }
             else
                 warnOf(child, viewpoint.error());
         }
-        nameUnread(element, whatOf(element), {"viewpoint"});
+        nameUnread(element, whatOf(element), {"viewpoint", "home"});
+        if (const std::string home = valueOf(element, "home"); !home.empty())
+            _home = {element, home};
+    }
+
+    /// The home is the viewpoint that the key names, else the one that is called so, else the
+    /// first. The others follow it in their order, around.
+    void beginAtHome()
+    {
+        const auto find = [this](const std::string& name)
+        {
+            return std::find_if(_map.viewpoints.begin(), _map.viewpoints.end(),
+                                [&name](const EarthViewpoint& viewpoint)
+                                { return lowerCase(viewpoint.name) == lowerCase(name); });
+        };
+        auto home = find(_home ? _home->second : "home");
+        if (_home && home == _map.viewpoints.end())
+        {
+            _map.warnings.push_back(_xml.error(_xml.lineOf(_home->first),
+                                               whatOf(_home->first) + " home = \"" + _home->second +
+                                                   "\": needs the name of a <viewpoint>")
+                                        .message);
+            home = find("home");
+        }
+        if (home != _map.viewpoints.end())
+            std::rotate(_map.viewpoints.begin(), home, _map.viewpoints.end());
     }
 
     /// As messages call it.
@@ -361,6 +389,7 @@ private:
     EarthMap _map;
     bool _hasSun = false; ///< of <terrain_light>
     std::optional<std::pair<pugi::xml_node, UtcTime>> _sky;
+    std::optional<std::pair<pugi::xml_node, std::string>> _home; ///< of <viewpoints>
     std::string _missed, _skipped; ///< what EarthMap::leftOut holds, in two parts
 };
 } // namespace

@@ -2,6 +2,7 @@
 
 #include "io/CompositeDem.h"
 #include "io/HeightShift.h"
+#include "io/LocalFrame.h"
 #include "io/TileRaster.h"
 
 #include <osgDB/FileUtils>
@@ -50,6 +51,7 @@ public:
             terrain->setName(_map.name);
             _model.node->addChild(terrain);
             _model.terrain = extentOf(*_tile);
+            placeViewpoints(localFrameOf(*_tile));
         }
         else if (!_isMissing)
             return Error{ErrorCode::Invalid,
@@ -197,6 +199,22 @@ private:
                 static_cast<std::uint8_t>(std::lround(layer.opacity * colour->pixels[alpha]));
         _colours.push_back(std::move(*colour));
         return Nothing{};
+    }
+
+    void placeViewpoints(const LocalFrame& frame)
+    {
+        for (const EarthViewpoint& viewpoint : _map.viewpoints)
+        {
+            const std::string start = _source + ":" + std::to_string(viewpoint.line) + ": ";
+            std::vector<std::string> notes;
+            if (const Result<Viewpoint> placed = placeViewpoint(viewpoint, frame, notes))
+                _model.viewpoints.push_back(*placed);
+            else
+                _model.warnings.push_back(start + "left out " + viewpoint.what + ": " +
+                                          placed.error().message);
+            for (const std::string& note : notes)
+                _model.notes.push_back(start + viewpoint.what + ": " + note);
+        }
     }
 
     const EarthMap& _map;

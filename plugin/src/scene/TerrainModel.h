@@ -5,6 +5,7 @@
 #include "io/LightParameters.h"
 #include "io/MapReader.h"
 #include <osgTerrainLight/TerrainLighting.h>
+#include <osgTerrainLight/Viewpoint.h>
 
 #include <osg/BoundingBox>
 
@@ -20,6 +21,7 @@ struct TerrainModel
 {
     osg::ref_ptr<TerrainLighting> node;
     osg::BoundingBoxd terrain;         ///< of valid posts [m], as createTerrain() places them
+    std::vector<Viewpoint> viewpoints; ///< of a map, in the frame of createTerrain(); home first
     std::vector<std::string> warnings; ///< parts that are missing from the scene
     std::vector<std::string> notes;    ///< assumptions
 };
