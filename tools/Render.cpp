@@ -6,6 +6,7 @@
 #include "io/InputFiles.h"
 #include "io/LightParameters.h"
 #include "osgdb/Register.h"
+#include "viewer/FirstView.h"
 
 #include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/TerrainLighting.h>
@@ -215,12 +216,15 @@ private:
     const SkyLight& _from;
 };
 
-/// Switches the viewer's keys off, and with them the clock in the picture, and has all light
-/// computed in one frame: a picture that is drawn while light waits looks like one that is done.
+/// Switches the viewer's keys off, and with them the clock in the picture, keeps where they lead
+/// to, and has all light computed in one frame: a picture that is drawn while light waits looks
+/// like one that is done.
 class ForAPicture : public osg::NodeVisitor
 {
 public:
     ForAPicture() : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN) {}
+
+    std::vector<Viewpoint> viewpoints;
 
     static LightingHandler* handlerOf(TerrainLighting& lighting)
     {
@@ -235,13 +239,44 @@ public:
         if (auto* lighting = dynamic_cast<TerrainLighting*>(&group))
         {
             while (auto* keys = handlerOf(*lighting))
+            {
+                const std::vector<Viewpoint>& more = keys->getViewpoints();
+                viewpoints.insert(viewpoints.end(), more.begin(), more.end());
                 lighting->removeEventCallback(keys);
+            }
             lighting->setTimeBudget(0.0);
             lighting->setFadeSeconds(0.0);
         }
         traverse(group);
     }
 };
+
+/// --viewpoint, as a place of the camera.
+Status takeViewpoint(const std::vector<Viewpoint>& viewpoints, const std::string& scene,
+                     CameraPlace& camera)
+{
+    if (camera.viewpoint.empty())
+        return Nothing{};
+    std::string names;
+    for (const Viewpoint& viewpoint : viewpoints)
+    {
+        const bool isHome =
+            &viewpoint == &viewpoints.front() && EQUAL(camera.viewpoint.c_str(), "home");
+        if (isHome || EQUAL(camera.viewpoint.c_str(), viewpoint.name.c_str()))
+        {
+            const ViewPlace place = viewFrom(viewpoint);
+            camera.eye = place.eye;
+            camera.center = place.centre;
+            camera.up = place.up;
+            return Nothing{};
+        }
+        names += (names.empty() ? "" : ", ") + ("\"" + viewpoint.name + "\"");
+    }
+    return Error{
+        ErrorCode::NotFound,
+        "--viewpoint " + camera.viewpoint + ": " + scene +
+            (names.empty() ? " has no viewpoint" : " has no such viewpoint; it has " + names)};
+}
 
 /// The first reason why something in the scene was drawn unlit.
 class FailureFinder : public osg::NodeVisitor
@@ -299,6 +334,8 @@ Status run(const CLI::App& app, Options options)
         return Error{ErrorCode::Invalid, options.scene + ": nothing in it has an extent"};
     ForAPicture forAPicture;
     (*scene)->accept(forAPicture);
+    if (Status taken = takeViewpoint(forAPicture.viewpoints, options.scene, options.camera); !taken)
+        return taken;
     Progress progress(options.output.quiet);
     progress.reach(0.2);
 
@@ -349,6 +386,7 @@ Mode addRender(CLI::App& tool)
                 "  terrainlight render dem.tif wet.png --sun 0,30 --gloss 0.3 --bounces 1\n"
                 "  terrainlight render dem.tif evening.png --sun 270,4 --sky clear\n"
                 "  terrainlight render map.earth near.png --camera 225,20,0.5 --exposure 0.5\n"
+                "  terrainlight render map.earth view.png --viewpoint home\n"
                 "  terrainlight render scene.osgt scene.png --size 640,480");
     const auto options = std::make_shared<Options>();
     app->add_option("SCENE", options->scene, "Scene, map or DEM")->required()->type_name("");

@@ -49,6 +49,13 @@ void addCamera(CLI::App& app, CameraPlace& place)
     CLI::Option* eye = addPoint("--eye", "Camera's place in scene coordinates", place.eye);
     addPoint("--center", "Place the camera looks at, in scene coordinates", place.center);
     app.add_flag("--top", place.top, "Straight down, north up, without perspective")->excludes(eye);
+    app.add_option("--viewpoint", place.viewpoint,
+                   "Camera of this viewpoint of the map, by its name; home is the first one")
+        ->type_name("NAME")
+        ->excludes("--camera")
+        ->excludes("--eye")
+        ->excludes("--center")
+        ->excludes("--top");
 }
 
 void placeCamera(osg::Camera& camera, const CameraPlace& place, double aspect,
@@ -89,7 +96,7 @@ void placeCamera(osg::Camera& camera, const CameraPlace& place, double aspect,
     camera.setProjectionMatrixAsPerspective(fieldOfView, aspect, 0.01 * distance, 10.0 * distance);
     const osg::Vec3d center = place.center.value_or(middle);
     if (place.eye)
-        camera.setViewMatrixAsLookAt(*place.eye, center, osg::Vec3d(0.0, 0.0, 1.0));
+        camera.setViewMatrixAsLookAt(*place.eye, center, place.up);
     else
         camera.setViewMatrixAsLookAt(center + towardsEye * distance, center, up);
 }

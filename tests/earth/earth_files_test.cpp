@@ -1,8 +1,11 @@
 #include "io/EarthFile.h"
+#include "support/GeoidGrid.h"
+#include "support/TestFolder.h"
 #include "terrain/TerrainModel.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <filesystem>
@@ -38,6 +41,18 @@ std::string saidOf(const fs::path& path)
             said += sentence + "\n";
     return said;
 }
+
+/// How many lines the file of expected messages beside a map has, each of which the map must give.
+int linesSaid(const fs::path& path)
+{
+    std::ifstream file(fs::path(path).replace_extension(".expected"));
+    const std::string said = saidOf(path);
+    std::string line;
+    int count = 0;
+    for (; std::getline(file, line); ++count)
+        EXPECT_NE(said.find(line), std::string::npos) << path << " says: " << said;
+    return count;
+}
 } // namespace
 
 TEST(EarthFiles, EveryMapLoadsWhole)
@@ -56,18 +71,25 @@ TEST(EarthFiles, EveryMapLoadsWhole)
     }
 }
 
+// Expected: each line of the file beside the map.
 TEST(EarthFiles, EveryBrokenMapSaysWhatIsExpected)
 {
     const std::vector<fs::path> maps = mapsIn(OTL_SOURCE_DIR "/earth_files/errors");
     ASSERT_FALSE(maps.empty());
     for (const fs::path& path : maps)
-    {
-        std::ifstream file(fs::path(path).replace_extension(".expected"));
-        std::string expected;
-        ASSERT_TRUE(std::getline(file, expected)) << path << " has no message beside it";
-        const std::string said = saidOf(path);
-        EXPECT_NE(said.find(expected), std::string::npos) << path << " says: " << said;
-    }
+        EXPECT_GT(linesSaid(path), 0) << path << " has no message beside it";
+}
+
+// Expected: each line of the file beside a map that has one; of the others nothing is left out.
+TEST(EarthFiles, EveryMapSaysWhatIsExpected)
+{
+    int withLines = 0;
+    for (const fs::path& path : mapsIn(OTL_SOURCE_DIR "/earth_files"))
+        if (linesSaid(path) > 0)
+            ++withLines;
+        else
+            EXPECT_EQ(saidOf(path).find("skipped"), std::string::npos) << saidOf(path);
+    EXPECT_GE(withLines, 6);
 }
 
 TEST(EarthFiles, SettingsAndLayersInEitherManner)
@@ -361,7 +383,7 @@ TEST(EarthFiles, TheSkyOfOsgEarthComesAfterTheLight)
         {"<sky hours='1' visible='no'/>", "<sky> (line 2: visible is no)"},
         {"<sky hours='1' pbr='true'/>", "keys of <sky> (line 2: not read here: pbr)"},
         {"<options><sky hours='1'/><terrain/></options>",
-         "<options> (line 2: only its sky and its viewpoints are read)"}};
+         "<options> (line 2: only its sky, its viewpoints and its vertical datum are read)"}};
     for (const auto& [sky, named] : wrongs)
     {
         const Result<EarthMap> map =
@@ -415,34 +437,71 @@ TEST(EarthFiles, OpacityOfImages)
     }
 }
 
-// Expected: nothing to say where heights have no datum, a notice where they have one, and a warning
-// for each layer that has another than the first.
-TEST(EarthFiles, VerticalDatumsAreCompared)
+// Expected: nothing to say where heights have no datum, or one layer has one; a notice where all
+// have the same; else a notice for each layer that is converted, and a warning for each that is
+// not. The map's own datum comes before that of the first layer. With a grid of −20 m, heights of
+// the sample, 236 m to 1076 m, are drawn that much lower, or higher.
+TEST(EarthFiles, HeightsAreBroughtToOneVerticalDatum)
 {
+    writeGeoidGrid(testFolder() / "geoid.gtx", -85.0, 36.0, 1.0, 2, 2,
+                   [](double, double) { return -20.0; });
+    const std::string grid = (testFolder() / "geoid.gtx").string();
+    const auto layer = [](const std::string& keys)
+    { return "<GDALElevation url='jacksboro_90m.tif' " + keys + "/>"; };
     const struct
     {
-        const char* layers;
-        std::size_t warnings, notes;
+        std::string layers;
+        std::size_t warnings;
+        int datums;    ///< notices that name one
+        double lowest; ///< of the terrain
     } maps[] = {
-        {"<GDALElevation url='a'/><GDALElevation url='b'/>", 0, 0},
-        {"<GDALElevation url='a' vdatum='EGM96'/><GDALElevation url='b' vdatum='egm96'/>", 0, 1},
-        {"<GDALElevation url='a' vdatum='egm96'/><GDALElevation url='b'/><GDALElevation url='c' "
-         "vdatum='egm84'/>",
-         2, 0}};
-    for (const auto& [layers, warnings, notes] : maps)
+        {layer("") + layer(""), 0, 0, 236.0},
+        {layer("vdatum='EGM96'") + layer("vdatum='egm96'"), 0, 1, 236.0},
+        {layer("vdatum='EPSG:5773'") + layer("vdatum='egm96'"), 0, 1, 236.0},
+        {layer("vdatum='egm96'") + layer("") + layer("vdatum='no-such'"), 2, 0, 236.0},
+        {layer("vdatum='ellipsoid'") + layer("vdatum='" + grid + "'"), 0, 1, 216.0},
+        {layer("vdatum='" + grid + "'") + layer("vdatum='ellipsoid'"), 0, 1, 256.0},
+        {"<profile vdatum='ellipsoid'/>" + layer("vdatum='" + grid + "'"), 0, 1, 216.0},
+        {"<options><profile><vdatum>WGS84</vdatum></profile></options>" +
+             layer("vdatum='" + grid + "'"),
+         0, 1, 216.0},
+        {"<profile vdatum='egm96'/>" + layer(""), 1, 0, 236.0},
+        {layer("vdatum='" + grid + "' z_factor='-1'") + layer("vdatum='no.gtx'"), 1, 0, 236.0}};
+    for (const auto& [layers, warnings, datums, lowest] : maps)
     {
-        const Result<EarthMap> map =
-            parseEarth(std::string("<map>") + layers + "</map>", "m.earth");
+        const Result<EarthMap> map = parseEarth("<map>\n" + layers + "</map>", "m.earth");
         ASSERT_TRUE(map) << map.error().message;
-        EXPECT_EQ(map->warnings.size(), warnings) << layers;
-        EXPECT_EQ(map->notes.size(), notes) << layers;
+        const Result<TerrainModel> model = loadMap(*map, OTL_SOURCE_DIR "/samples/data", "m.earth");
+        ASSERT_TRUE(model) << model.error().message;
+        EXPECT_EQ(model->warnings.size(), warnings) << layers;
+        for (const std::string& warning : model->warnings)
+            EXPECT_NE(warning.find("they are not converted: "), std::string::npos) << warning;
+        EXPECT_EQ(std::count_if(model->notes.begin(), model->notes.end(),
+                                [](const std::string& note)
+                                { return note.find("vertical datum") != std::string::npos; }),
+                  datums)
+            << layers;
+        EXPECT_NEAR(model->terrain.zMin(), lowest, 1.0e-3) << layers;
     }
-    const Result<EarthMap> profile =
-        parseEarth("<map><GDALElevation url='a'><profile srs='wgs84' vdatum='egm2008'/>"
-                   "</GDALElevation></map>",
-                   "m.earth");
-    ASSERT_TRUE(profile);
-    EXPECT_EQ(profile->elevations[0].verticalDatum, "egm2008");
+}
+
+// Expected: the datum of a layer's profile is its own; names are in lower case, paths as written.
+TEST(EarthFiles, NamesOfVerticalDatums)
+{
+    const std::pair<const char*, const char*> layers[] = {
+        {"<GDALElevation url='a'><profile srs='wgs84' vdatum='EGM2008'/></GDALElevation>",
+         "egm2008"},
+        {"<GDALElevation url='a' vdatum='egm84'><profile vdatum='egm96'/></GDALElevation>",
+         "egm84"},
+        {"<GDALElevation url='a'><VDatum>Grids\\Local.gtx</VDatum></GDALElevation>",
+         "Grids/Local.gtx"},
+        {"<GDALElevation url='a'/>", ""}};
+    for (const auto& [layer, datum] : layers)
+    {
+        const Result<EarthMap> map = parseEarth(std::string("<map>") + layer + "</map>", "m");
+        ASSERT_TRUE(map && map->elevations.size() == 1u) << layer;
+        EXPECT_EQ(map->elevations[0].verticalDatum, datum);
+    }
 }
 
 // Expected: slashes that every system knows; what is left out is named by the path that was tried.

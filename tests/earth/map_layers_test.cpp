@@ -2,10 +2,10 @@
 #include "io/DemReader.h"
 #include "io/EarthFile.h"
 #include "io/MapReader.h"
-#include "terrain/TerrainModel.h"
 #include "scene/TerrainTileReader.h"
 #include "support/MapTransform.h"
 #include "support/TestFolder.h"
+#include "terrain/TerrainModel.h"
 
 #include <gdal_priv.h>
 #include <gtest/gtest.h>

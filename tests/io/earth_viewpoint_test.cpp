@@ -22,7 +22,8 @@ void expectEqual(const EarthViewpoint& found, const EarthViewpoint& wanted)
     EXPECT_EQ(found.name, wanted.name);
     EXPECT_NEAR(found.longitude, wanted.longitude, 1.0e-7);
     EXPECT_NEAR(found.latitude, wanted.latitude, 1.0e-7);
-    EXPECT_NEAR(found.height, wanted.height, 1.0e-6);
+    ASSERT_EQ(found.height.has_value(), wanted.height.has_value());
+    EXPECT_NEAR(found.height.value_or(0.0), wanted.height.value_or(0.0), 1.0e-6);
     EXPECT_NEAR(found.heading, wanted.heading, 1.0e-9);
     EXPECT_NEAR(found.pitch, wanted.pitch, 1.0e-9);
     EXPECT_NEAR(found.range, wanted.range, 1.0e-6);
@@ -59,8 +60,8 @@ TEST(EarthViewpoints, OnAnyMap)
     const Result<EarthMap> map =
         mapWith("<viewpoint srs='EPSG:32633' x='500000' y='0'/><viewpoint lat='1' long='2'/>");
     ASSERT_TRUE(map && map->viewpoints.size() == 2u);
-    expectEqual(map->viewpoints[0], {"", 15.0, 0.0, 0.0, 0.0, -90.0, 0.0});
-    expectEqual(map->viewpoints[1], {"", 2.0, 1.0, 0.0, 0.0, -90.0, 0.0});
+    expectEqual(map->viewpoints[0], {"", 15.0, 0.0, {}, 0.0, -90.0, 0.0});
+    expectEqual(map->viewpoints[1], {"", 2.0, 1.0, {}, 0.0, -90.0, 0.0});
 }
 
 // Expected: the others are read.
@@ -101,4 +102,43 @@ TEST(EarthViewpoints, KeysThatAreNotReadAreNamed)
     ASSERT_EQ(map->notes.size(), 1u);
     EXPECT_EQ(map->notes[0], "m.earth: skipped: keys of <viewpoint> (line 2: not read here: "
                              "vdatum), keys of <viewpoints> (line 2: not read here: time)");
+}
+
+// Expected: the home is first, by the key, by its name, or by its place; the others follow in their
+// order.
+TEST(EarthViewpoints, TheHomeIsTheFirst)
+{
+    const std::pair<const char*, const char*> maps[] = {
+        {"<viewpoints><viewpoint name='a' PLACE/><viewpoint name='b' PLACE/><viewpoint name='c' "
+         "PLACE/></viewpoints>",
+         "abc"},
+        {"<viewpoints home='B'><viewpoint name='a' PLACE/><viewpoint name='b' PLACE/><viewpoint "
+         "name='c' PLACE/></viewpoints>",
+         "bca"},
+        {"<viewpoints><viewpoint name='a' PLACE/><viewpoint name='b' PLACE/><home>c</home>"
+         "<viewpoint name='c' PLACE/></viewpoints>",
+         "cab"},
+        {"<viewpoints><viewpoint name='a' PLACE/><viewpoint name='Home' PLACE/></viewpoints>",
+         "Homea"}};
+    for (const auto& [viewpoints, order] : maps)
+    {
+        std::string text = viewpoints;
+        for (std::size_t at = text.find("PLACE"); at != std::string::npos; at = text.find("PLACE"))
+            text.replace(at, 5, "lat='1' long='2'");
+        const Result<EarthMap> map =
+            parseEarth("<map><GDALImage url='a.tif'/>" + text + "</map>", "m.earth");
+        ASSERT_TRUE(map) << map.error().message;
+        EXPECT_TRUE(map->warnings.empty() && map->notes.empty()) << text;
+        std::string names;
+        for (const EarthViewpoint& viewpoint : map->viewpoints)
+            names += viewpoint.name;
+        EXPECT_EQ(names, order);
+    }
+    const Result<EarthMap> none =
+        parseEarth("<map><GDALImage url='a.tif'/>\n<viewpoints home='x'><viewpoint name='a' "
+                   "lat='1' long='2'/></viewpoints></map>",
+                   "m.earth");
+    ASSERT_TRUE(none && none->viewpoints.size() == 1u && none->warnings.size() == 1u);
+    EXPECT_EQ(none->warnings[0],
+              "m.earth:2: <viewpoints> home = \"x\": needs the name of a <viewpoint>");
 }

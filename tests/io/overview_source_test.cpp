@@ -101,7 +101,7 @@ TEST(OverviewSource, PostsOfEveryLevelArePixelsOfTheRaster)
 
 TEST(OverviewSource, ReadsCoarseLevelsFromOverviews)
 {
-    const Hills hills(203, 150, {2, 4, 8});
+    const Hills hills(208, 152, {2, 4, 8});
     expectPixels(hills, *opened(hills.path, 4));
     // Overviews that hold something else are seen: it is they that are read.
     {
@@ -115,6 +115,36 @@ TEST(OverviewSource, ReadsCoarseLevelsFromOverviews)
     ASSERT_TRUE(posts);
     for (const float height : posts->values())
         ASSERT_EQ(static_cast<double>(height) + source->heightOrigin(), 500.0);
+}
+
+// GDAL's overview of an odd size holds pixels that are not a whole number apart. Heights tell the
+// column, so that each post says where it is from.
+TEST(OverviewSource, OverviewsOfOtherSizesAreNearby)
+{
+    MemoryRaster raster;
+    raster.width = 203;
+    raster.height = 149;
+    raster.values.clear();
+    for (int i = 0; i < raster.width * raster.height; ++i)
+        raster.values.push_back(i % raster.width);
+    const std::string path = raster.write();
+    {
+        GDALDatasetUniquePtr dataset(GDALDataset::Open(path.c_str(), GDAL_OF_UPDATE));
+        int factors[] = {2, 4, 8};
+        ASSERT_EQ(dataset->BuildOverviews("NEAREST", 3, factors, 0, nullptr, nullptr, nullptr),
+                  CE_None);
+    }
+    const auto source = opened(path, 4);
+    for (int level = 1; level <= 3; ++level)
+    {
+        const PostRect all = source->extent(level);
+        const Result<Raster<float>> posts = source->readSurface(level, all);
+        ASSERT_TRUE(posts);
+        for (int row = 0; row < all.height; ++row)
+            for (int column = 0; column < all.width; ++column)
+                EXPECT_NEAR(static_cast<double>(posts->at(column, row)) + source->heightOrigin(),
+                            (all.column + column) << level, 0.5 * (1 << level) + 1e-3);
+    }
 }
 
 TEST(OverviewSource, TakesRowsFromTheSouth)
@@ -146,7 +176,7 @@ TEST(OverviewSource, VoidsStayVoid)
 // which for the first two levels are those of the raster.
 TEST(OverviewSource, CrestsAreThoseOfTheReducer)
 {
-    const Hills hills(150, 90, {2, 4});
+    const Hills hills(152, 88, {2, 4});
     const auto source = opened(hills.path, 4);
     const PostRect all{0, 0, source->width(), source->height()};
     const Result<Raster<float>> posts = source->readPosts(all);

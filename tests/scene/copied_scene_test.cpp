@@ -1,10 +1,10 @@
 // Copies of a lit scene, drawn beside and without the original.
 #include <osgTerrainLight/TerrainLighting.h>
 
-#include "terrain/TerrainModel.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"
+#include "terrain/TerrainModel.h"
 
 #include <osg/MatrixTransform>
 

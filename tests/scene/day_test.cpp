@@ -3,10 +3,10 @@
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include "io/EarthFile.h"
-#include "terrain/TerrainModel.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"
+#include "terrain/TerrainModel.h"
 
 #include <osg/ApplicationUsage>
 #include <osgDB/Registry>

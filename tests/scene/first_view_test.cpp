@@ -86,14 +86,39 @@ public:
         _picture.viewer().getCamera()->getViewMatrixAsLookAt(eye, centre, up);
         return centre - eye;
     }
-    /// Of the window, that is not background.
-    double covered() const
+    /// The place from which the camera looks, and the place `range` metres before it.
+    osg::Vec3d eye()
     {
-        int count = 0;
-        const std::vector<unsigned char>& pixels = _picture.pixels();
-        for (std::size_t i = 0; i < pixels.size(); i += 4)
-            count += pixels[i] == 0 && pixels[i + 1] == 0 && pixels[i + 2] == 255 ? 0 : 1;
-        return count / double(ScenePicture::size * ScenePicture::size);
+        osg::Vec3d eye, centre, up;
+        _picture.viewer().getCamera()->getViewMatrixAsLookAt(eye, centre, up);
+        return eye;
+    }
+    osg::Vec3d at(double range)
+    {
+        osg::Vec3d unit = direction();
+        unit.normalize();
+        return eye() + unit * range;
+    }
+    osg::Vec3d up()
+    {
+        osg::Vec3d eye, centre, up;
+        _picture.viewer().getCamera()->getViewMatrixAsLookAt(eye, centre, up);
+        return up;
+    }
+    void press(int key)
+    {
+        _picture.viewer().getEventQueue()->keyPress(key);
+        _picture.draw(1);
+    }
+    /// Of the window, that terrain has drawn last: the sky behind it leaves the depth as it was.
+    double covered()
+    {
+        std::vector<float> depths(ScenePicture::size * ScenePicture::size);
+        glReadPixels(0, 0, ScenePicture::size, ScenePicture::size, GL_DEPTH_COMPONENT, GL_FLOAT,
+                     depths.data());
+        return static_cast<double>(std::count_if(depths.begin(), depths.end(),
+                                                 [](float depth) { return depth < 1.0f; })) /
+               static_cast<double>(depths.size());
     }
 
 private:
@@ -135,7 +160,7 @@ TEST(FirstView, StandsAboveTheTop)
         EXPECT_GT(viewFromSouth(terrain, 30.0, 1.0).eye.z(), terrain.zMax());
 }
 
-// Expected: terrain, which no pixel of the background's blue is, in at least half of the window.
+// Expected: terrain, which alone writes depths, in at least half of the window.
 TEST(FirstView, DemsOfAllKindsFillHalfOfTheWindow)
 {
     OTL_NEED_GL(context);
@@ -215,4 +240,128 @@ TEST(FirstView, LeavesAloneWhatSomebodyHasPlaced)
         shown.picture().viewer().getCamera()->setViewMatrixAsLookAt(eye, centre, up);
         expectOurs(shown);
     }
+}
+
+namespace
+{
+const std::string viewpoints = OTL_SOURCE_DIR "/earth_files/viewpoints.earth";
+
+/// Where the first viewpoint of that map looks: metres from the middle of the raster, of 403 x 344
+/// cells of 1/1200 degree from 84.41375 west and 36.732916667 north, by the lengths of degrees on
+/// WGS 84 at its middle latitude, 36.58958.
+osg::Vec3d alongTheFault()
+{
+    constexpr double east = 89487.8, north = 110970.0; // metres per degree
+    return {(-84.2 + 84.41375 - 0.5 * 403 / 1200) * east,
+            (36.6 - 36.732916667 + 0.5 * 344 / 1200) * north, 400.0};
+}
+
+void expectAlongTheFault(Shown& shown)
+{
+    const double heading = osg::DegreesToRadians(225.0), pitch = osg::DegreesToRadians(-20.0);
+    osg::Vec3d direction = shown.direction();
+    direction.normalize();
+    EXPECT_NEAR(direction.x(), std::sin(heading) * std::cos(pitch), 1e-5);
+    EXPECT_NEAR(direction.y(), std::cos(heading) * std::cos(pitch), 1e-5);
+    EXPECT_NEAR(direction.z(), std::sin(pitch), 1e-5);
+    EXPECT_LT((shown.at(12000.0) - alongTheFault()).length(), 5.0);
+}
+} // namespace
+
+// Expected: straight down the top of the picture is the heading; else the horizon is level.
+TEST(FirstView, OfAViewpoint)
+{
+    Viewpoint viewpoint;
+    viewpoint.x = 10.0;
+    viewpoint.heading = 90.0;
+    viewpoint.range = 100.0;
+    ViewPlace place = viewFrom(viewpoint);
+    EXPECT_LT((place.eye - osg::Vec3d(10.0, 0.0, 100.0)).length(), 1e-9);
+    EXPECT_LT((place.up - osg::Vec3d(1.0, 0.0, 0.0)).length(), 1e-9);
+    viewpoint.pitch = 0.0;
+    place = viewFrom(viewpoint);
+    EXPECT_LT((place.eye - osg::Vec3d(-90.0, 0.0, 0.0)).length(), 1e-9);
+    EXPECT_LT((place.up - osg::Vec3d(0.0, 0.0, 1.0)).length(), 1e-9);
+    EXPECT_EQ(place.centre, osg::Vec3d(10.0, 0.0, 0.0));
+}
+
+// Expected: heading, pitch, range and place of the first viewpoint in the map's text; the viewer's
+// home is there, too.
+TEST(FirstView, OfAMapIsItsFirstViewpoint)
+{
+    OTL_NEED_GL(context);
+    for (const bool hasTrackball : {true, false})
+    {
+        osg::ref_ptr<osgGA::StandardManipulator> manipulator;
+        if (hasTrackball)
+            manipulator = new osgGA::TrackballManipulator;
+        else
+            manipulator = new osgGA::TerrainManipulator;
+        Shown shown(viewpoints, manipulator);
+        shown.picture().draw(2);
+        expectAlongTheFault(shown);
+        manipulator->setTransformation(osg::Vec3d(0.0, 0.0, 1e5), osg::Vec3d(),
+                                       osg::Vec3d(0.0, 1.0, 0.0));
+        manipulator->home(0.0);
+        shown.picture().draw(1);
+        expectAlongTheFault(shown);
+    }
+}
+
+// Expected: a camera that somebody has placed stays, until a key asks for a viewpoint.
+TEST(FirstView, OfAMapLeavesAloneWhatSomebodyHasPlaced)
+{
+    OTL_NEED_GL(context);
+    const osg::ref_ptr<osgGA::TrackballManipulator> manipulator = new osgGA::TrackballManipulator;
+    const osg::Vec3d eye(5e4, 0.0, 2e4);
+    manipulator->setHomePosition(eye, osg::Vec3d(), osg::Vec3d(0.0, 0.0, 1.0));
+    Shown shown(viewpoints, manipulator);
+    shown.picture().draw(2);
+    EXPECT_LT((shown.eye() - eye).length(), 1e-3);
+    shown.press('G'); // the second of two, from the first
+    shown.press('G');
+    expectAlongTheFault(shown);
+}
+
+// Expected: the second viewpoint looks straight down, from 30 km above the terrain, on the axis of
+// the cone of earth_files/data, 746000, 4054000 in UTM 16 north: longitude -84.249866892, latitude
+// 36.599800403 by PROJ; then the first again, backwards too. North is up.
+TEST(FirstView, KeysLeadThroughTheViewpoints)
+{
+    OTL_NEED_GL(context);
+    for (const bool hasManipulator : {true, false})
+    {
+        Shown shown(viewpoints, hasManipulator ? new osgGA::TrackballManipulator : nullptr);
+        shown.picture().draw(2);
+        for (const auto& [on, back] : {std::pair('g', 'G'), std::pair('G', 'g')})
+        {
+            shown.press(on);
+            osg::Vec3d direction = shown.direction();
+            direction.normalize();
+            EXPECT_LT((direction - osg::Vec3d(0.0, 0.0, -1.0)).length(), 1e-5);
+            EXPECT_LT((shown.up() - osg::Vec3d(0.0, 1.0, 0.0)).length(), 1e-5);
+            const osg::Vec3d place =
+                alongTheFault() + osg::Vec3d(-0.049866892 * 89487.8, -0.000199597 * 110970.0, 0.0);
+            EXPECT_NEAR(shown.eye().x(), place.x(), 5.0);
+            EXPECT_NEAR(shown.eye().y(), place.y(), 5.0);
+            EXPECT_GT(shown.eye().z(), 30000.0 + 236.0); // the lowest and highest of the sample
+            EXPECT_LT(shown.eye().z(), 30000.0 + 1076.0);
+            shown.press(back);
+            expectAlongTheFault(shown);
+        }
+    }
+    const auto& listed = osg::ApplicationUsage::instance()->getKeyboardMouseBindings();
+    for (const char* key : {"g", "G"})
+        EXPECT_TRUE(listed.count(key)) << key;
+}
+
+// Expected: keys without viewpoints are left to others.
+TEST(FirstView, KeysWithoutViewpointsDoNothing)
+{
+    OTL_NEED_GL(context);
+    Shown shown(jacksboro, new osgGA::TrackballManipulator);
+    shown.picture().draw(2);
+    const osg::Vec3d before = shown.eye();
+    shown.press('g');
+    EXPECT_EQ(shown.eye(), before);
 }

@@ -2,10 +2,10 @@
 #include <osgTerrainLight/LightProbe.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
-#include "terrain/TerrainModel.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"
+#include "terrain/TerrainModel.h"
 
 #include <osg/Geode>
 #include <osg/MatrixTransform>

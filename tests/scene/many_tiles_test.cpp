@@ -4,10 +4,10 @@
 
 #include "gpu/Textures.h"
 #include "scene/Scheduler.h"
-#include "terrain/TerrainModel.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"
+#include "terrain/TerrainModel.h"
 
 #include <osg/MatrixTransform>
 #include <osgTerrain/TerrainTile>

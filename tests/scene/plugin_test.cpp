@@ -4,12 +4,12 @@
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include "io/ExrFile.h"
-#include "terrain/TerrainModel.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"
 #include "support/SharedData.h"
 #include "support/TestFolder.h"
+#include "terrain/TerrainModel.h"
 
 #include <osg/ApplicationUsage>
 #include <osg/Geode>

@@ -2,10 +2,10 @@
 #include <osgTerrainLight/DynamicTerrain.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
-#include "terrain/TerrainModel.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"
+#include "terrain/TerrainModel.h"
 
 #include <osgTerrain/TerrainTile>
 

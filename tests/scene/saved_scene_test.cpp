@@ -1,10 +1,10 @@
 // Scenes in files: those that were written before properties had names (data/former), and files
 // with other properties than this version has.
-#include "terrain/TerrainModel.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"
 #include "support/TestFolder.h"
+#include "terrain/TerrainModel.h"
 
 #include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/TerrainLighting.h>

@@ -3,11 +3,11 @@
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include "scene/LitTile.h"
-#include "scene/TerrainModel.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"
 #include "support/TestFolder.h"
+#include "terrain/TerrainModel.h"
 
 #include <osg/MatrixTransform>
 #include <osg/Switch>

@@ -5,8 +5,8 @@
 #include <osgTerrainLight/LightingHandler.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
-#include "terrain/TerrainModel.h"
 #include "support/AnalyticTerrain.h"
+#include "terrain/TerrainModel.h"
 
 #include <osg/MatrixTransform>
 #include <osgTerrain/TerrainTile>

@@ -220,4 +220,44 @@ TEST_F(Render, AFormerVersionsSceneLooksAsItDid)
         }
 }
 
+// Expected: the picture that --eye and --center make of the same place, which is the middle of the
+// raster: 10 km away with a slope of 3 to 4, the eye is 8 km south and 6 km above. A step of a
+// number in the map may move single pixels at edges.
+TEST_F(Render, FromAViewpointOfTheMap)
+{
+    std::ofstream(path("m.earth"))
+        << "<map><GDALElevation url='" << jacksboro
+        << "'/><viewpoints><viewpoint name='a' lat='36.58958333333' long='-84.24583333333' "
+           "height='500' pitch='-36.869897645844' range='10km'/>"
+           "<viewpoint name='Far' lat='36.6' long='-84.2' pitch='-30' range='20km'/></viewpoints>"
+           "</map>";
+    const auto picture = [&](const std::string& options)
+    {
+        const ToolRun result = run("render m.earth p.png -q --size 64 --azimuths 8 " + options);
+        EXPECT_EQ(result.status, 0) << result.err;
+        return ReadRaster(path("p.png")).bands;
+    };
+    const auto meanDifference = [](const auto& one, const auto& other)
+    {
+        double sum = 0.0;
+        for (std::size_t band = 0; band < one.size(); ++band)
+            for (std::size_t i = 0; i < one[band].size(); ++i)
+                sum += std::abs(double(one[band][i]) - double(other[band][i]));
+        return sum / (3.0 * 64.0 * 64.0);
+    };
+    const auto wanted = picture("--eye 0,-8000,6500 --center 0,0,500");
+    for (const char* name : {"home", "a", "A"})
+        EXPECT_LT(meanDifference(picture(std::string("--viewpoint ") + name), wanted), 0.1);
+    EXPECT_GT(meanDifference(picture("--viewpoint far"), wanted), 5.0);
+
+    const ToolRun wrong = run("render m.earth p.png -q --viewpoint b");
+    EXPECT_EQ(wrong.status, 1);
+    EXPECT_TRUE(
+        wrong.complains("--viewpoint b: m.earth has no such viewpoint; it has \"a\", \"Far\""))
+        << wrong.err;
+    const ToolRun none = run("render " + jacksboro + " p.png -q --viewpoint b");
+    EXPECT_TRUE(none.complains("has no viewpoint")) << none.err;
+    EXPECT_EQ(run("render m.earth p.png -q --viewpoint a --top").status, 2);
+}
+
 } // namespace

@@ -3,6 +3,7 @@
 #include "io/CellAverages.h"
 #include "io/GdalErrors.h"
 #include "io/HeightReader.h"
+#include "io/HeightShift.h"
 #include "io/OpenDem.h"
 #include "io/PlacedHeights.h"
 
@@ -146,13 +147,18 @@ private:
         GroundSpacing used = ground;
         if (!_options.byMapScale)
             used.factors = HeightFactors();
-        return placeHeights(_path, frame, used, std::move(notes),
-                            [&](int column, int row)
-                            {
-                                const double metres =
-                                    metresAt(frame.fileColumn(column), frame.fileRow(row));
-                                return std::isnan(metres) ? metres : heightOf(metres);
-                            });
+        return placeHeights(
+            _path, frame, used, std::move(notes),
+            [&](int column, int row)
+            {
+                const double metres = metresAt(frame.fileColumn(column), frame.fileRow(row));
+                if (std::isnan(metres))
+                    return metres;
+                const double height = heightOf(metres);
+                return _options.shift
+                           ? height + _options.shift->at(frame.mapX(column), frame.mapY(row))
+                           : height;
+            });
     }
 
     const std::string& _path;

@@ -7,12 +7,15 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace osgTerrainLight
 {
+
+class HeightShift;
 
 /// A rectangle of pixels in the raster's own order: row 0 is the file's first row.
 struct PixelWindow
@@ -36,6 +39,8 @@ struct DemReadOptions
     std::string heightUnit;
     /// What heights are multiplied by, as gdaldem's -z: not 0; below 0 turns depths into heights.
     double heightFactor = 1.0;
+    /// What is added to heights, to bring them to another vertical datum; may be null.
+    std::shared_ptr<const HeightShift> shift;
     /// Whether heights of the tile are multiplied by the HeightFactors of measureGround(), which
     /// make slopes right; else they are what the raster says.
     bool byMapScale = true;

@@ -80,7 +80,7 @@ public:
                 return read.error();
         }
         followSky();
-        compareVerticalDatums();
+        beginAtHome();
         if (_map.elevations.empty() && _map.images.empty())
             return _xml.error(_xml.lineOf(root),
                               "holds no layer that can be drawn" +
@@ -138,7 +138,14 @@ private:
             readViewpoints(element);
         else if (tag == "sky")
             readSky(element);
-        return tag == "viewpoints" || tag == "sky";
+        else if (tag == "profile" && !valueOf(element, "vdatum").empty())
+        {
+            _map.verticalDatum = datumName(valueOf(element, "vdatum"));
+            nameUnread(element, whatOf(element), {"vdatum"});
+        }
+        else
+            return false;
+        return true;
     }
 
     void readParts(const pugi::xml_node& element)
@@ -150,7 +157,7 @@ private:
                 (readPart(child) ? hasParts : hasOthers) = true;
         if (hasOthers || !hasParts)
             leaveOut(element, whatOf(element),
-                     hasParts ? "only its sky and its viewpoints are read"
+                     hasParts ? "only its sky, its viewpoints and its vertical datum are read"
                               : "of a kind that is not known here",
                      !drawsNothing(lowerCase(element.name())));
     }
@@ -207,15 +214,42 @@ private:
             if (lowerCase(child.name()) != "viewpoint")
                 continue;
             const std::string what = whatOf(child);
-            if (const Result<EarthViewpoint> viewpoint = readViewpoint(child))
+            if (Result<EarthViewpoint> viewpoint = readViewpoint(child))
             {
+                viewpoint->what = what;
+                viewpoint->line = _xml.lineOf(child);
                 _map.viewpoints.push_back(*viewpoint);
                 nameUnread(child, what, {viewpointKeys.begin(), viewpointKeys.end()});
             }
             else
                 warnOf(child, viewpoint.error());
         }
-        nameUnread(element, whatOf(element), {"viewpoint"});
+        nameUnread(element, whatOf(element), {"viewpoint", "home"});
+        if (const std::string home = valueOf(element, "home"); !home.empty())
+            _home = {element, home};
+    }
+
+    /// The home is the viewpoint that the key names, else the one that is called so, else the
+    /// first. The others follow it in their order, around.
+    void beginAtHome()
+    {
+        const auto find = [this](const std::string& name)
+        {
+            return std::find_if(_map.viewpoints.begin(), _map.viewpoints.end(),
+                                [&name](const EarthViewpoint& viewpoint)
+                                { return lowerCase(viewpoint.name) == lowerCase(name); });
+        };
+        auto home = find(_home ? _home->second : "home");
+        if (_home && home == _map.viewpoints.end())
+        {
+            _map.warnings.push_back(_xml.error(_xml.lineOf(_home->first),
+                                               whatOf(_home->first) + " home = \"" + _home->second +
+                                                   "\": needs the name of a <viewpoint>")
+                                        .message);
+            home = find("home");
+        }
+        if (home != _map.viewpoints.end())
+            std::rotate(_map.viewpoints.begin(), home, _map.viewpoints.end());
     }
 
     /// As messages call it.
@@ -334,31 +368,6 @@ private:
         return Nothing{};
     }
 
-    /// Heights above another datum lie wrong beside the others, since none are converted. Where all
-    /// have the same one, light does not depend on it.
-    void compareVerticalDatums()
-    {
-        const auto datumOf = [](const EarthLayer& layer)
-        {
-            return layer.verticalDatum.empty() ? "a vertical datum that is not named"
-                                               : "the vertical datum " + layer.verticalDatum;
-        };
-        const std::size_t before = _map.warnings.size();
-        for (const EarthLayer& layer : _map.elevations)
-            if (const EarthLayer& first = _map.elevations.front();
-                layer.verticalDatum != first.verticalDatum)
-                _map.warnings.push_back(_xml.error(layer.line, "the heights of " + layer.what +
-                                                                   " are above " + datumOf(layer) +
-                                                                   ", those of " + first.what +
-                                                                   " above " + datumOf(first) +
-                                                                   "; they are not converted")
-                                            .message);
-        if (_map.warnings.size() == before && !_map.elevations.empty() &&
-            !_map.elevations.front().verticalDatum.empty())
-            _map.notes.push_back(_xml.source() + ": all heights are above " +
-                                 datumOf(_map.elevations.front()));
-    }
-
     /// Keys of a layer that other readers of the format know, such as min_level and profile. read:
     /// those that are read here, but for those of all layers.
     void nameUnread(const pugi::xml_node& element, const std::string& what,
@@ -380,6 +389,7 @@ private:
     EarthMap _map;
     bool _hasSun = false; ///< of <terrain_light>
     std::optional<std::pair<pugi::xml_node, UtcTime>> _sky;
+    std::optional<std::pair<pugi::xml_node, std::string>> _home; ///< of <viewpoints>
     std::string _missed, _skipped; ///< what EarthMap::leftOut holds, in two parts
 };
 } // namespace

@@ -29,10 +29,11 @@ struct EarthLayer
 struct EarthMap
 {
     std::string name;
+    std::string verticalDatum; ///< that heights are brought to (<profile>); empty: none is named
     std::vector<EarthLayer> elevations;
     std::vector<EarthLayer> images; ///< bottom first
     LightParameters light;
-    std::vector<EarthViewpoint> viewpoints; ///< in their order
+    std::vector<EarthViewpoint> viewpoints; ///< in their order, from the home on
     std::string leftOut;                    ///< all elements that are not drawn, and why; one list
     std::vector<std::string> warnings;      ///< those that somebody may look for in the picture
     std::vector<std::string> notes;         ///< what else was left out, and why

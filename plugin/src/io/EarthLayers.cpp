@@ -74,14 +74,19 @@ bool isYes(const std::string& value)
     return word == "true" || word == "yes" || word == "on";
 }
 
+std::string datumName(const std::string& text)
+{
+    return text.find('.') == std::string::npos ? lowerCase(text) : withSlashes(text);
+}
+
 std::string verticalDatumOf(const pugi::xml_node& elevation)
 {
     const std::string own = valueOf(elevation, "vdatum");
     if (!own.empty())
-        return lowerCase(own);
+        return datumName(own);
     for (const pugi::xml_node& child : elevation.children())
         if (lowerCase(child.name()) == "profile")
-            return lowerCase(valueOf(child, "vdatum"));
+            return datumName(valueOf(child, "vdatum"));
     return {};
 }
 

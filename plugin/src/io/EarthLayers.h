@@ -34,7 +34,11 @@ Result<double> opacityOf(const pugi::xml_node& image);
 /// As osgEarth reads a flag: true, yes and on, in any case, are yes.
 bool isYes(const std::string& value);
 
-/// The vertical datum of a layer's heights, its own or that of its profile, in lower case; empty
+/// A vertical datum as messages name it: in lower case, but for a file of a geoid's grid, which
+/// keeps its case and has / for \.
+std::string datumName(const std::string& text);
+
+/// The vertical datum of a layer's heights, its own or that of its profile, by datumName(); empty
 /// where none is given.
 std::string verticalDatumOf(const pugi::xml_node& elevation);
 

@@ -150,15 +150,20 @@ Result<EarthViewpoint> readViewpoint(const pugi::xml_node& element)
     viewpoint.name = valueOf(element, "name");
     if (const Status place = readPlace(element, viewpoint); !place)
         return place.error();
+    double height = 0.0;
+    const Result<bool> hasHeight =
+        readKey(element, {"height", "alt", "z"},
+                {metresOf, -1.0e7, 1.0e9, "a height in metres, or with a unit"}, height);
+    if (!hasHeight)
+        return hasHeight.error();
+    if (*hasHeight)
+        viewpoint.height = height;
     const struct
     {
         std::initializer_list<const char*> keys;
         Need need;
         double& value;
     } others[] = {
-        {{"height", "alt", "z"},
-         {metresOf, -1.0e7, 1.0e9, "a height in metres, or with a unit"},
-         viewpoint.height},
         {{"heading"}, {degreesOf, -720.0, 720.0, "degrees, -720 ... 720"}, viewpoint.heading},
         {{"pitch"}, {degreesOf, -90.0, 90.0, "degrees, -90 ... 90"}, viewpoint.pitch},
         {{"range"},

@@ -3,6 +3,7 @@
 #include "core/Result.h"
 
 #include <array>
+#include <optional>
 #include <string>
 
 namespace pugi
@@ -18,10 +19,12 @@ struct EarthViewpoint
 {
     std::string name;
     double longitude = 0.0, latitude = 0.0; ///< of the place, degrees on WGS 84
-    double height = 0.0;                    ///< of the place [m]
-    double heading = 0.0; ///< that the camera looks to, degrees clockwise from north
-    double pitch = -90.0; ///< −90 … 90 degrees; −90 looks down
-    double range = 0.0;   ///< from the camera to the place [m]; 0 where none is given
+    std::optional<double> height;           ///< of the place [m]; none: on the terrain
+    double heading = 0.0;  ///< that the camera looks to, degrees clockwise from north
+    double pitch = -90.0;  ///< −90 … 90 degrees; −90 looks down
+    double range = 0.0;    ///< from the camera to the place [m]; 0 where none is given
+    std::string what = {}; ///< its element, as messages call it: <viewpoint name="home">
+    int line = 0;
 };
 
 /// Its keys, as osgEarth spells them.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -140,6 +141,26 @@ DemTile OverviewSource::cornersOf(int level, const PostRect& posts) const
         for (int column = 0; column < 2; ++column)
             tile.setHeight(column, row, 0.0f);
     return tile;
+}
+
+Result<std::function<double(double, double)>> OverviewSource::coarseHeights()
+{
+    Result<Raster<float>> posts = readSurface(_root, placeOf(0, 0));
+    if (!posts)
+        return posts.error();
+    const auto shared = std::make_shared<const Raster<float>>(std::move(*posts));
+    const PostRect all = terrain();
+    return std::function<double(double, double)>(
+        [shared, middleX = all.column + 0.5 * (all.width - 1),
+         middleY = all.row + 0.5 * (all.height - 1), east = middleEastSpacing(),
+         north = northSpacing(), step = 1 << _root, origin = heightOrigin()](double x, double y)
+        {
+            const auto column = static_cast<int>(std::lround((middleX + x / east) / step));
+            const auto row = static_cast<int>(std::lround((middleY + y / north) / step));
+            return shared->contains(column, row)
+                       ? origin + static_cast<double>(shared->at(column, row))
+                       : std::numeric_limits<double>::quiet_NaN();
+        });
 }
 
 Result<Raster<float>> OverviewSource::readPosts(const PostRect& posts)

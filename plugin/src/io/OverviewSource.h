@@ -4,7 +4,7 @@
 #include "io/DemReader.h"
 
 #include <array>
-#include <cstdint>
+#include <functional>
 #include <list>
 #include <map>
 #include <memory>
@@ -22,8 +22,9 @@ class RasterHeights;
 ///
 /// Tiles of a level are 2^cellsLog2 cells (one more post) a side; the coarsest level, root(), is
 /// one tile. The raster lies in the north-west of that, so that posts of every level are those that
-/// overviews by the nearest pixel hold, and are read from them. Posts of overviews made otherwise
-/// are taken as they are: an average stands half a post of its level to the south-east. Coarse
+/// overviews by the nearest pixel hold, and are read from them (within half a post of their level,
+/// where the raster's size is no multiple of it). Posts of overviews made otherwise are taken as
+/// they are: an average stands half a post of its level to the south-east. Coarse
 /// levels around tiles (readLevel) are crests of posts two levels finer, at most: what lies between
 /// those is not seen. Blocks of them are kept. For one thread at a time.
 class OverviewSource : public TileSource
@@ -54,6 +55,9 @@ public:
     /// Of the whole raster.
     const RasterFrame& frame() const;
     const DemInfo& info() const;
+    /// Heights by place, x east and y north of the raster's middle [m], above the datum [m], as the
+    /// nearest post of the coarsest tile tells; NaN where it is void. They do not need the source.
+    Result<std::function<double(double, double)>> coarseHeights();
     /// A level tile of 2 × 2 posts at the corners of a rectangle: where it lies on the map.
     DemTile cornersOf(int level, const PostRect& posts) const;
     /// Between columns in the middle of the raster [m].

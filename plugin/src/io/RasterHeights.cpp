@@ -1,6 +1,7 @@
 #include "io/RasterHeights.h"
 
 #include "io/GdalErrors.h"
+#include "io/HeightShift.h"
 
 #include <ogr_spatialref.h>
 
@@ -33,6 +34,7 @@ Result<std::unique_ptr<RasterHeights>> RasterHeights::open(const std::string& pa
     std::unique_ptr<RasterHeights> made(new RasterHeights);
     made->_path = path;
     made->_heightFactor = options.heightFactor;
+    made->_shift = options.shift;
     made->_dem = std::move(*opened);
     const DemInfo& info = made->_dem.info;
     const OGRSpatialReference* crs = made->_dem.dataset->GetSpatialRef();
@@ -117,6 +119,13 @@ void RasterHeights::use(HeightRules rules, double origin)
     _origin = origin;
 }
 
+double RasterHeights::heightOf(double metres, int column, int row) const
+{
+    const double height = _rules.heightOf(metres) * _heightFactor;
+    const RasterFrame& frame = info().frame;
+    return _shift ? height + _shift->at(frame.mapX(column), frame.mapY(row)) : height;
+}
+
 float RasterHeights::placed(double height, int column, int row) const
 {
     const HeightFactors& factors = ground().factors;
@@ -142,7 +151,7 @@ void RasterHeights::convert(const double* stored, const PostRect& posts, int row
         float& height = heights[i] = missing;
         if (std::isnan(metres))
             continue;
-        height = placed(_rules.heightOf(metres) * _heightFactor, posts.column + i, row);
+        height = placed(heightOf(metres, posts.column + i, row), posts.column + i, row);
         ++all;
         beyond += std::isnan(height) ? 1u : 0u;
     }
@@ -233,7 +242,7 @@ Result<Raster<float>> RasterHeights::readEvery(int level, int column, int row, i
 {
     Raster<float> result(width, height, missing);
     const RasterFrame& frame = info().frame;
-    const auto [at, reader] = overviewFor(level);
+    HeightReader<double>* const reader = overviewFor(level).second;
     const int step = 1 << level;
     // Posts of the result that the raster has.
     const auto firstInside = [step](int from, int begin)
@@ -247,27 +256,30 @@ Result<Raster<float>> RasterHeights::readEvery(int level, int column, int row, i
     if (beginX >= endX || beginY >= endY)
         return result;
     GdalErrors errors;
-    const auto pixelOf = [&](int post) { return frame.fileColumn(column + post * step) >> at; };
+    // GDAL stretches overviews whose size is not whole: pixel i is near i times this many.
+    const auto nearest = [](int pixel, int of, int all) {
+        return std::min(static_cast<int>(std::lround(static_cast<double>(pixel) * of / all)),
+                        of - 1);
+    };
+    const auto pixelOf = [&](int post)
+    { return nearest(frame.fileColumn(column + post * step), reader->width(), frame.width); };
     const int left = std::min(pixelOf(beginX), pixelOf(endX - 1));
-    const int right = std::min(std::max(pixelOf(beginX), pixelOf(endX - 1)), reader->width() - 1);
+    const int right = std::max(pixelOf(beginX), pixelOf(endX - 1));
     std::vector<double> stored(static_cast<std::size_t>(right - left + 1));
     for (int y = beginY; y < endY; ++y)
     {
-        const PixelWindow line{left, frame.fileRow(row + y * step) >> at, right - left + 1, 1};
-        if (line.row >= reader->height())
-            continue;
+        const PixelWindow line{
+            left, nearest(frame.fileRow(row + y * step), reader->height(), frame.height),
+            right - left + 1, 1};
         if (!reader->read(line, stored.data(), false))
             return reader->unreadable(_path, line, errors);
         for (int x = beginX; x < endX; ++x)
         {
-            const int pixel = pixelOf(x);
-            if (pixel > right)
-                continue;
             const double metres =
-                _rules.metresOf(stored[static_cast<std::size_t>(pixel - left)], info());
+                _rules.metresOf(stored[static_cast<std::size_t>(pixelOf(x) - left)], info());
             if (!std::isnan(metres))
-                result.at(x, y) = placed(_rules.heightOf(metres) * _heightFactor, column + x * step,
-                                         row + y * step);
+                result.at(x, y) = placed(heightOf(metres, column + x * step, row + y * step),
+                                         column + x * step, row + y * step);
         }
     }
     return result;

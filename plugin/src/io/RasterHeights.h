@@ -94,6 +94,9 @@ private:
 
     std::string _path;
     double _heightFactor = 1.0;
+    std::shared_ptr<const HeightShift> _shift;
+    /// Of a post, above the datum, from what was read of it.
+    double heightOf(double metres, int column, int row) const;
     OpenDem _dem;
     std::optional<DegreeRows> _degrees;
     PostRect _extent;

@@ -20,6 +20,7 @@
 #include <exception>
 #include <iterator>
 #include <new>
+#include <optional>
 #include <sstream>
 
 namespace osgTerrainLight
@@ -229,11 +230,16 @@ private:
             OSG_WARN << "osgTerrainLight: " << warning << std::endl;
         for (const std::string& note : model.notes)
             OSG_NOTICE << "osgTerrainLight: " << note << std::endl;
-        model.node->addEventCallback(new LightingHandler);
+        const osg::ref_ptr<LightingHandler> keys = new LightingHandler;
+        keys->setViewpoints(model.viewpoints);
+        model.node->addEventCallback(keys);
         // Terrain of ours: the scene of somebody else has a view and a sky of its own.
         if (model.terrain.valid())
         {
-            model.node->addEventCallback(new FirstView(model.terrain));
+            model.node->addEventCallback(new FirstView(
+                model.terrain, model.viewpoints.empty()
+                                   ? std::optional<Viewpoint>()
+                                   : std::optional<Viewpoint>(model.viewpoints.front())));
             addSkyDome(*model.node);
         }
         return ReadResult(model.node.get());

@@ -1,11 +1,17 @@
 #include "terrain/TerrainModel.h"
 
 #include "io/CompositeDem.h"
+#include "io/HeightShift.h"
+#include "io/LocalFrame.h"
 #include "io/TileRaster.h"
+
+#include <osgDB/FileUtils>
 
 #include <cctype>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
+#include <memory>
 #include <utility>
 
 namespace osgTerrainLight
@@ -47,6 +53,7 @@ public:
             terrain->setName(_map.name);
             _model.node->addChild(terrain);
             _model.terrain = extentOf(*_tile);
+            placeViewpoints(localFrameOf(*_tile));
         }
         if (!_model.terrain.valid() && !_isMissing)
             return Error{ErrorCode::Invalid,
@@ -100,6 +107,7 @@ private:
             }
             else
                 leaveOut(layer, path.error());
+        bringToOneDatum(dems, layers);
         if (dems.size() == 1 && isPaged(dems[0].path, dems[0].read))
             return openPaged(dems[0], *layers[0]);
         CompositeDem composite = readComposite(dems, mostDrawnPosts);
@@ -118,6 +126,14 @@ private:
         for (const std::string& note : (*source)->notes())
             _model.notes.push_back(dem.path + ": " + note);
         _tile = (*source)->cornersOf(0, (*source)->terrain());
+        LocalFrame frame = localFrameOf(*_tile);
+        if (auto heightAt = (*source)->coarseHeights())
+        {
+            frame.heightAt = *heightAt;
+            placeViewpoints(frame);
+        }
+        else
+            return leaveOut(layer, heightAt.error());
         _paged = std::move(*source);
     }
 
@@ -127,6 +143,70 @@ private:
                 addPaged(_model, std::move(_paged), std::move(_draped), _map.light);
             !added)
             _model.warnings.push_back(_source + ": left out the terrain: " + added.error().message);
+    }
+
+    /// A file of a geoid's grid is relative to the map, or one of PROJ's own.
+    VerticalDatum datumOf(const std::string& name) const
+    {
+        const std::string path = resolved(name, _folder);
+        const bool isFile = name.find('.') != std::string::npos && osgDB::fileExists(path);
+        VerticalDatum datum = verticalDatumByName(isFile ? path : name);
+        datum.name = name;
+        return datum;
+    }
+
+    /// Heights above another vertical datum than that of the map, which is that of the first layer
+    /// where the map names none, are converted where PROJ can. That is said, or why not.
+    void bringToOneDatum(std::vector<DemLayer>& dems, const std::vector<const EarthLayer*>& layers)
+    {
+        const auto called = [](const VerticalDatum& datum)
+        {
+            return datum.isNamed() ? "the vertical datum " + datum.name
+                                   : std::string("a vertical datum that is not named");
+        };
+        VerticalDatum common = datumOf(_map.verticalDatum);
+        std::string whose = "those of the map";
+        bool areAllAlike = true, isFirst = true;
+        for (std::size_t i = 0; i < dems.size(); ++i)
+        {
+            const Result<DemInfo> info = describeDem(dems[i].path, dems[i].read);
+            if (!info)
+                continue; // left out later
+            const EarthLayer& layer = *layers[i];
+            const VerticalDatum own = layer.verticalDatum.empty()
+                                          ? verticalDatumOfCrs(info->frame.crs)
+                                          : datumOf(layer.verticalDatum);
+            if (isFirst && !common.isNamed())
+            {
+                common = own;
+                whose = "those of " + layer.what;
+            }
+            isFirst = false;
+            if (own.known == common.known)
+                continue;
+            areAllAlike = false;
+            const std::string start = _source + ":" + std::to_string(layer.line) +
+                                      ": the heights of " + layer.what + " are ";
+            const Result<HeightShift> shift =
+                own.isNamed() && common.isNamed()
+                    ? HeightShift::between(own, common, info->frame)
+                    : Result<HeightShift>(Error{ErrorCode::NotFound, "needs vdatum for both"});
+            if (shift)
+            {
+                char range[64];
+                std::snprintf(range, sizeof range, "%.2f ... %.2f m", shift->lowest(),
+                              shift->highest());
+                dems[i].read.shift = std::make_shared<HeightShift>(*shift);
+                _model.notes.push_back(start + "converted from " + called(own) + " to " +
+                                       called(common) + ", by " + range);
+            }
+            else
+                _model.warnings.push_back(start + "above " + called(own) + ", " + whose +
+                                          " above " + called(common) +
+                                          "; they are not converted: " + shift.error().message);
+        }
+        if (areAllAlike && !isFirst && common.isNamed())
+            _model.notes.push_back(_source + ": all heights are above " + called(common));
     }
 
     /// Over those before; where there is no elevation, the first one gives the terrain's extent.
@@ -159,6 +239,22 @@ private:
                 static_cast<std::uint8_t>(std::lround(layer.opacity * colour->pixels[alpha]));
         _colours.push_back(std::move(*colour));
         return Nothing{};
+    }
+
+    void placeViewpoints(const LocalFrame& frame)
+    {
+        for (const EarthViewpoint& viewpoint : _map.viewpoints)
+        {
+            const std::string start = _source + ":" + std::to_string(viewpoint.line) + ": ";
+            std::vector<std::string> notes;
+            if (const Result<Viewpoint> placed = placeViewpoint(viewpoint, frame, notes))
+                _model.viewpoints.push_back(*placed);
+            else
+                _model.warnings.push_back(start + "left out " + viewpoint.what + ": " +
+                                          placed.error().message);
+            for (const std::string& note : notes)
+                _model.notes.push_back(start + viewpoint.what + ": " + note);
+        }
     }
 
     const EarthMap& _map;

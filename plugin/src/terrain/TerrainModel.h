@@ -6,6 +6,7 @@
 #include "io/MapReader.h"
 #include "terrain/PagedTerrain.h"
 #include <osgTerrainLight/TerrainLighting.h>
+#include <osgTerrainLight/Viewpoint.h>
 
 #include <osg/BoundingBox>
 
@@ -21,6 +22,7 @@ struct TerrainModel
 {
     osg::ref_ptr<TerrainLighting> node;
     osg::BoundingBoxd terrain;         ///< of valid posts [m], as createTerrain() places them
+    std::vector<Viewpoint> viewpoints; ///< of a map, in the frame of createTerrain(); home first
     std::vector<std::string> warnings; ///< parts that are missing from the scene
     std::vector<std::string> notes;    ///< assumptions
 };

@@ -99,6 +99,32 @@ ViewPlace viewFromSouth(const osg::BoundingBoxd& terrain, double fovy, double as
     return {centre + back * nearest, centre};
 }
 
+ViewPlace viewFrom(const Viewpoint& viewpoint)
+{
+    const double heading = osg::DegreesToRadians(viewpoint.heading);
+    const double pitch = osg::DegreesToRadians(viewpoint.pitch);
+    const osg::Vec3d level(std::sin(heading), std::cos(heading), 0.0);
+    const osg::Vec3d above(0.0, 0.0, 1.0);
+    const osg::Vec3d centre(viewpoint.x, viewpoint.y, viewpoint.z);
+    const osg::Vec3d ahead = level * std::cos(pitch) + above * std::sin(pitch);
+    return {centre - ahead * viewpoint.range, centre,
+            above * std::cos(pitch) - level * std::sin(pitch)};
+}
+
+void lookFrom(osgViewer::View& view, const Viewpoint& viewpoint, const osg::Matrixd& toWorld)
+{
+    const ViewPlace place = viewFrom(viewpoint);
+    const osg::Vec3d eye = place.eye * toWorld, centre = place.centre * toWorld;
+    const osg::Vec3d up = osg::Matrixd::transform3x3(place.up, toWorld);
+    osgGA::CameraManipulator* given = view.getCameraManipulator();
+    if (osgGA::StandardManipulator* manipulator = standardOf(given))
+        manipulator->setTransformation(eye, centre, up);
+    else if (given)
+        given->setByInverseMatrix(osg::Matrixd::lookAt(eye, centre, up));
+    else
+        view.getCamera()->setViewMatrixAsLookAt(eye, centre, up);
+}
+
 void FirstView::operator()(osg::Node* node, osg::NodeVisitor* visitor)
 {
     if (osgGA::EventVisitor* events = visitor->asEventVisitor())
@@ -125,9 +151,9 @@ void FirstView::place(osgViewer::View& view, const osg::Matrixd& toWorld) const
     double fovy = 30.0, aspect = 4.0 / 3.0, zNear = 0.0, zFar = 0.0;
     if (!view.getCamera()->getProjectionMatrixAsPerspective(fovy, aspect, zNear, zFar))
         return; // a plan
-    const ViewPlace place = viewFromSouth(_terrain, fovy, aspect);
+    const ViewPlace place = _home ? viewFrom(*_home) : viewFromSouth(_terrain, fovy, aspect);
     given->setHomePosition(place.eye * toWorld, place.centre * toWorld,
-                           osg::Matrixd::transform3x3(osg::Vec3d(0.0, 0.0, 1.0), toWorld));
+                           osg::Matrixd::transform3x3(place.up, toWorld));
     goHome(*manipulator, view);
 }
 

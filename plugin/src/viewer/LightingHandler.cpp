@@ -2,14 +2,17 @@
 
 #include "scene/DrawBeside.h"
 #include "viewer/ClockDisplay.h"
+#include "viewer/FirstView.h"
 
 #include <osgTerrainLight/Environment.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include <osg/ApplicationUsage>
 #include <osg/DisplaySettings>
+#include <osg/Transform>
 #include <osg/observer_ptr>
 #include <osgGA/GUIActionAdapter>
+#include <osgViewer/View>
 
 #include <algorithm>
 #include <chrono>
@@ -44,6 +47,8 @@ constexpr Key keys[] = {
     {"J", "Terrain light: an hour back"},
     {"y", "Terrain light: a day on"},
     {"Y", "Terrain light: a day back"},
+    {"g", "Terrain light: go to the next viewpoint of the map"},
+    {"G", "Terrain light: go to the viewpoint before"},
 };
 
 constexpr double fastest = 86400.0; // a day per second
@@ -106,7 +111,8 @@ struct LightingHandler::Implementation
     ~Implementation();
 
     bool handle(const osgGA::GUIEventAdapter& event, TerrainLighting& lighting,
-                osgGA::GUIActionAdapter& action);
+                osgGA::GUIActionAdapter& action, const osg::Matrixd& toWorld);
+    bool goOn(int key, osgGA::GUIActionAdapter& action, const osg::Matrixd& toWorld);
     bool handleKey(int key, TerrainLighting& lighting);
     void runClock(double now, TerrainLighting& lighting, osgGA::GUIActionAdapter& action);
     void show(TerrainLighting& lighting, const std::string& text);
@@ -114,6 +120,8 @@ struct LightingHandler::Implementation
     osg::observer_ptr<TerrainLighting> given;
     osg::observer_ptr<TerrainLighting> shown; ///< that draws the clock
     osg::ref_ptr<DrawBeside<ClockDisplay>> callback;
+    std::vector<Viewpoint> viewpoints;
+    std::size_t viewpoint = 0; ///< the last one that was gone to
     bool running = false;
     double speed = 600.0;   ///< seconds of the day per second
     double lastFrame = 0.0; ///< while it runs [s]
@@ -132,9 +140,21 @@ LightingHandler::LightingHandler(const LightingHandler& other, const osg::CopyOp
                                                                                        copyop),
       _implementation(new Implementation(other._implementation->given.get()))
 {
+    _implementation->viewpoints = other._implementation->viewpoints;
 }
 
 LightingHandler::~LightingHandler() = default;
+
+void LightingHandler::setViewpoints(const std::vector<Viewpoint>& viewpoints)
+{
+    _implementation->viewpoints = viewpoints;
+    _implementation->viewpoint = 0;
+}
+
+const std::vector<Viewpoint>& LightingHandler::getViewpoints() const
+{
+    return _implementation->viewpoints;
+}
 
 void LightingHandler::getUsage(osg::ApplicationUsage& usage) const
 {
@@ -143,12 +163,17 @@ void LightingHandler::getUsage(osg::ApplicationUsage& usage) const
 }
 
 bool LightingHandler::handle(const osgGA::GUIEventAdapter& event, osgGA::GUIActionAdapter& action,
-                             osg::Object* object, osg::NodeVisitor*)
+                             osg::Object* object, osg::NodeVisitor* visitor)
 {
     osg::ref_ptr<TerrainLighting> lighting = dynamic_cast<TerrainLighting*>(object);
     if (!lighting && !_implementation->given.lock(lighting))
         return false;
-    return _implementation->handle(event, *lighting, action);
+    const osg::NodePathList paths = visitor && object == lighting
+                                        ? osg::NodePathList{visitor->getNodePath()}
+                                        : lighting->getParentalNodePaths();
+    return _implementation->handle(event, *lighting, action,
+                                   paths.empty() ? osg::Matrixd()
+                                                 : osg::computeLocalToWorld(paths.front()));
 }
 
 LightingHandler::Implementation::~Implementation()
@@ -162,15 +187,29 @@ LightingHandler::Implementation::~Implementation()
 
 bool LightingHandler::Implementation::handle(const osgGA::GUIEventAdapter& event,
                                              TerrainLighting& lighting,
-                                             osgGA::GUIActionAdapter& action)
+                                             osgGA::GUIActionAdapter& action,
+                                             const osg::Matrixd& toWorld)
 {
     if (event.getEventType() == osgGA::GUIEventAdapter::FRAME)
         runClock(event.getTime(), lighting, action);
     if (event.getHandled() || event.getEventType() != osgGA::GUIEventAdapter::KEYDOWN ||
-        !handleKey(event.getKey(), lighting))
+        (!goOn(event.getKey(), action, toWorld) && !handleKey(event.getKey(), lighting)))
         return false;
     lastFrame = event.getTime();
     action.requestRedraw();
+    return true;
+}
+
+/// Around the list. False where the key is another one, or there is nowhere to go.
+bool LightingHandler::Implementation::goOn(int key, osgGA::GUIActionAdapter& action,
+                                           const osg::Matrixd& toWorld)
+{
+    auto* view = dynamic_cast<osgViewer::View*>(&action);
+    if ((key != 'g' && key != 'G') || viewpoints.empty() || !view)
+        return false;
+    const std::size_t count = viewpoints.size();
+    viewpoint = (viewpoint + (key == 'g' ? 1 : count - 1)) % count;
+    lookFrom(*view, viewpoints[viewpoint], toWorld);
     return true;
 }
 

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "core/Result.h"
+#include "io/EarthViewpoint.h"
+#include <osgTerrainLight/DemTile.h>
+#include <osgTerrainLight/Viewpoint.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace osgTerrainLight
+{
+
+/// Where the local frame of a terrain lies on its map. The frame is in metres: x east, y north from
+/// the middle of the outermost posts, z up from the vertical datum.
+struct LocalFrame
+{
+    std::string crs;                                ///< WKT; empty where it is not known
+    double mapX = 0.0, mapY = 0.0;                  ///< of the frame's origin, in units of the CRS
+    double metresPerX = 1.0;                        ///< of the frame, per unit of the CRS along x
+    double metresPerY = 1.0;                        ///< the same along y
+    double halfWidth = 0.0;                         ///< from the origin to the outermost posts [m]
+    double halfHeight = 0.0;                        ///< the same along y [m]
+    std::function<double(double, double)> heightAt; ///< of the terrain at x, y [m]; NaN: unknown
+};
+
+/// Of a tile as createTerrain() draws it. The tile is used as long as the frame is.
+LocalFrame localFrameOf(const DemTile& tile);
+
+/// The viewpoint in the frame. A place without a height lies on the terrain. Without a range the
+/// camera is as far away as the corners of the terrain are from each other. A camera that would
+/// stand in the terrain is raised above it, and `notes` gets a sentence. Errors: the terrain has no
+/// CRS, its map does not show the place, or the place is farther from its edge than that.
+Result<Viewpoint> placeViewpoint(const EarthViewpoint& viewpoint, const LocalFrame& frame,
+                                 std::vector<std::string>& notes);
+
+} // namespace osgTerrainLight
