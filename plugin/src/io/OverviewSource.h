@@ -22,8 +22,8 @@ class RasterHeights;
 ///
 /// Tiles of a level are 2^cellsLog2 cells (one more post) a side; the coarsest level, root(), is
 /// one tile. The raster lies in the north-west of that, so that posts of every level are those that
-/// overviews by the nearest pixel hold, and are read from them (within half a post of their level,
-/// where the raster's size is no multiple of it). Posts of overviews made otherwise are taken as
+/// overviews by the nearest pixel hold, and are read from them (within a post of their level,
+/// where the raster.s size is no multiple of it). Posts of overviews made otherwise are taken as
 /// they are: an average stands half a post of its level to the south-east. Coarse
 /// levels around tiles (readLevel) are crests of posts two levels finer, at most: what lies between
 /// those is not seen. Blocks of them are kept. For one thread at a time.

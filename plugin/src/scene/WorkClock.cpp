@@ -1,5 +1,7 @@
 #include "scene/WorkClock.h"
 
+#include "gpu/GpuCapabilities.h"
+
 #include <osg/ContextData>
 #include <osg/GLExtensions>
 
@@ -67,7 +69,11 @@ WorkClock::~WorkClock()
 void WorkClock::begin(osg::State& state)
 {
     if (!_gone)
+    {
         _gone = osg::get<QueryManager>(state.getContextID());
+        const auto capabilities = GpuCapabilities::query(state);
+        _isSoftware = capabilities && capabilities->isSoftware();
+    }
     collect(state);
     const osg::FrameStamp* stamp = state.getFrameStamp();
     const long long frame = stamp ? static_cast<long long>(stamp->getFrameNumber()) : -1;
@@ -116,7 +122,8 @@ void WorkClock::Mean::add(double value)
 void WorkClock::mark(osg::State& state, Cost* cost, unsigned groups)
 {
     const auto* gl = state.get<osg::GLExtensions>();
-    if (!gl->isARBTimerQuerySupported || _marks.size() >= mostMarks)
+    // Software's own clock does not see compute work; it has run once the call returns.
+    if (_isSoftware || !gl->isARBTimerQuerySupported || _marks.size() >= mostMarks)
     {
         _hasGap = true;
         return;

@@ -79,12 +79,13 @@ private:
     std::map<std::string, Cost> _costs;       ///< by kind
     std::deque<Mark> _marks;                  ///< whose times have not been read
     std::vector<GLuint> _queries;             ///< to be used again
-    bool _hasGap = true;                      ///< the mark before the next one is missing
-    GLuint64 _last = 0;                       ///< time of the mark before those [ns]
-    long long _frame = -1;                    ///< its number; -1: not known
-    double _before = 0.0;                     ///< of this frame's work, until end() [ms]
-    double _begun = 0.0, _started = 0.0;      ///< on the clock
-    double _expected = 0.0;                   ///< of this frame's pieces on the GPU [ms]
+    bool _isSoftware = false;
+    bool _hasGap = true;                 ///< the mark before the next one is missing
+    GLuint64 _last = 0;                  ///< time of the mark before those [ns]
+    long long _frame = -1;               ///< its number; -1: not known
+    double _before = 0.0;                ///< of this frame's work, until end() [ms]
+    double _begun = 0.0, _started = 0.0; ///< on the clock
+    double _expected = 0.0;              ///< of this frame's pieces on the GPU [ms]
     unsigned _steps = 0;
 };
 
