@@ -111,7 +111,11 @@ public:
     {
         picture.draw(0); // makes the context current
         for (int i = 0; i < count; ++i)
+        {
+            if (_slow >= 0)
+                lighting->setTimeBudget(_slow-- > 0 ? 1.0e-6 : 0.0);
             picture.viewer().frame(_time += step);
+        }
         picture.draw(0);
     }
     const Pixels& pixels() const { return picture.pixels(); }
@@ -130,7 +134,15 @@ public:
     {
         _parent->setAllChildrenOff();
         lighting->addChild(child);
-        lighting->setTimeBudget(1.0e-6);
+        slowDown();
+    }
+    /// Light that is computed now is whole after so many frames as it has `steps`.
+    void slowDown() { _slow = steps - 1; }
+    /// It is whole in the next frame.
+    void hurry()
+    {
+        _slow = -1;
+        lighting->setTimeBudget(0.0);
     }
     void forgetParent()
     {
@@ -144,6 +156,7 @@ public:
 private:
     osg::ref_ptr<osg::Switch> _parent;
     double _time = 10.0;
+    int _slow = -1; ///< frames with a piece of light each, before one with all the rest
 };
 
 osg::StateAttribute* textureOf(osg::MatrixTransform& place, unsigned unit)
@@ -306,7 +319,7 @@ TEST(TileFade, ANewTileOfAGlobeBeginsWithTheLightAbove)
     flight.fly();
     EXPECT_TRUE(textureOf(*child, ShadingTexture::formerUnit));
     EXPECT_LE(difference(flight.pixels(), from), 1.0);
-    flight.lighting->setTimeBudget(0.0);
+    flight.hurry();
     flight.fly(6);
     EXPECT_GT(difference(flight.pixels(), from), 40.0);
 }
@@ -354,7 +367,7 @@ TEST(TileFade, ATileThatIsLitAnewKeepsItsLightMeanwhile)
     flight.lighting->addChild(place);
     flight.fly(4);
     const Pixels from = flight.pixels();
-    flight.lighting->setTimeBudget(1.0e-6);
+    flight.slowDown();
     osgTerrain::Layer* layer = tileOf(*place).getElevationLayer();
     osg::HeightField* heights =
         dynamic_cast<osgTerrain::HeightFieldLayer&>(*layer).getHeightField();
@@ -422,7 +435,7 @@ TEST(TileFade, TheSunNeitherFadesNorLags)
     flight.fly();
     EXPECT_GT(difference(flight.pixels(), from), 40.0);
     flight.replace(below());
-    flight.lighting->setTimeBudget(0.0);
+    flight.hurry();
     flight.fly(3); // lit in the first, then 0 and 0.25
     flight.lighting->setSkyLight(evening);
     flight.fly();
@@ -450,7 +463,7 @@ TEST(TileFade, NotWhereTheTileLiesElsewhereNorInAUnitThatIsTaken)
         flight.fly();
         EXPECT_EQ(textureOf(*child, ShadingTexture::formerUnit),
                   elsewhere ? nullptr : theirs.get());
-        flight.lighting->setTimeBudget(0.0);
+        flight.hurry();
         flight.fly(4); // a tile with a StateSet of its own may have been drawn: it waits
         const TileHandle handle = flight.lighting->getTileHandle(&tileOf(*child));
         EXPECT_EQ(flight.lighting->getTileState(handle).stage, TileState::Stage::Lit);

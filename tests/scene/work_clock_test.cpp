@@ -35,6 +35,8 @@ TEST(WorkClock, GivesItsQueriesBack)
         GTEST_SKIP() << "skipped: this OpenGL driver has no timer queries (ARB_timer_query); needs "
                         "one that has, such "
                         "as Mesa's";
+    const auto capabilities = GpuCapabilities::query(state);
+    const bool isSoftware = capabilities && capabilities->isSoftware(); // whose time the wall tells
     const int before = queriesThatExist(*gl);
     auto clock = std::make_unique<WorkClock>();
     for (const int steps : {3, 1}) // in the end some wait for their time, and some to be used again
@@ -44,7 +46,10 @@ TEST(WorkClock, GivesItsQueriesBack)
             clock->step(state, "a", 100);
         glFinish();
     }
-    EXPECT_GE(queriesThatExist(*gl), before + 4);
+    if (isSoftware)
+        EXPECT_EQ(queriesThatExist(*gl), before);
+    else
+        EXPECT_GE(queriesThatExist(*gl), before + 4);
     clock.reset();
     osg::flushAllDeletedGLObjects(state.getContextID());
     EXPECT_EQ(queriesThatExist(*gl), before);

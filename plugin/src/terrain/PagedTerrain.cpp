@@ -135,18 +135,23 @@ Result<osg::ref_ptr<osg::Node>> PagedTerrain::tile(const Place& place)
         return range;
     }();
     const osg::ref_ptr<osg::PagedLOD> node = new osg::PagedLOD;
-    const double cell = std::ldexp(_source->middleEastSpacing(), place.level);
-    const double flat =
-        0.5 * _source->cells() * std::hypot(cell, std::ldexp(_source->northSpacing(), place.level));
+    // Of the part of the tile that the raster has.
+    const double east = std::ldexp(_source->middleEastSpacing(), place.level);
+    const double north = std::ldexp(_source->northSpacing(), place.level);
+    const PostRect there = posts.clippedTo(_source->extent(place.level));
+    const double flat = 0.5 * std::hypot(east * (there.width - 1), north * (there.height - 1));
+    const osg::Vec3d shift(
+        east * (there.column - posts.column + 0.5 * (there.width - 1 - _source->cells())),
+        north * (there.row - posts.row + 0.5 * (there.height - 1 - _source->cells())),
+        0.5 * (static_cast<double>(lowest) + static_cast<double>(highest)));
+    const double radius =
+        std::hypot(flat, 0.5 * (static_cast<double>(highest) - static_cast<double>(lowest)));
     node->setCenterMode(osg::LOD::USER_DEFINED_CENTER);
-    node->setCenter(
-        middle +
-        osg::Vec3d(0.0, 0.0, 0.5 * (static_cast<double>(lowest) + static_cast<double>(highest))));
-    node->setRadius(static_cast<osg::LOD::value_type>(
-        std::hypot(flat, 0.5 * (static_cast<double>(highest) - static_cast<double>(lowest)))));
+    node->setCenter(middle + shift);
+    node->setRadius(static_cast<osg::LOD::value_type>(radius));
     // OSG's pixels are those of the radius.
     node->setRangeMode(osg::LOD::PIXEL_SIZE_ON_SCREEN);
-    const float pixels = static_cast<float>(pixelsPerCell * _source->cells() * std::sqrt(0.5));
+    const float pixels = static_cast<float>(pixelsPerCell * flat / std::max(east, north));
     node->addChild(placed, 0.0f, pixels);
     node->setFileName(1, std::to_string(place.level) + "/" + std::to_string(place.x) + "/" +
                              std::to_string(place.y));
