@@ -354,7 +354,10 @@ void TileLight::rest()
     if (_resting || _changes.any() || !_unfinished.empty() || _inputs->isGlossy() ||
         _inputs->hasEdges() || !_inputs->probes.empty() || _inputs->posts.valid())
         return;
+    // What is drawn stays: nodes own it.
+    const osg::ref_ptr<osg::Texture> drawn = _shading->texture();
     _graph.declare({});
+    _shading->set(drawn);
     _transport.clear();
     _method = nullptr;
     _table = nullptr;
