@@ -348,6 +348,88 @@ TEST(PagedTerrain, LevelsThatComeAndGoLeaveNothing)
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
 }
 
+namespace
+{
+/// 64 tiles of 32 cells side by side, and the 16 above them, which are there and not drawn: more
+/// than keep what they are lit from.
+struct Country
+{
+    explicit Country(int rows = 4) : terrain(paged(hillyRaster(257), 5))
+    {
+        lighting->addChild(finest);
+        lighting->addChild(above);
+        for (int y = 0; y < rows; ++y)
+            for (int x = 0; x < 4; ++x)
+                finest->addChild(
+                    childrenOf(*terrain, "1/" + std::to_string(x) + "/" + std::to_string(y)));
+        for (const char* name : {"2/0/0", "2/1/0", "2/0/1", "2/1/1"})
+            above->addChild(childrenOf(*terrain, name), false);
+    }
+    void draw()
+    {
+        picture.draw(4);
+        EXPECT_EQ(lighting->getStatistics().waiting, 0u);
+    }
+
+    osg::ref_ptr<PagedTerrain> terrain;
+    osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 8);
+    osg::ref_ptr<osg::Group> finest = new osg::Group;
+    osg::ref_ptr<osg::Switch> above = new osg::Switch;
+    ScenePicture picture{lighting, 3800.0};
+};
+
+SkyLight lowSun()
+{
+    SkyLight sky;
+    sky.sunAzimuth = 200.0;
+    sky.sunElevation = 12.0;
+    return sky;
+}
+} // namespace
+
+// Expected: the picture of a scene that never had another light, to the last bit, in which no tile
+// had rested when its light was computed.
+TEST(PagedTerrain, TilesThatRestWakeForNewLight)
+{
+    OTL_NEED_GL(context);
+    Country fresh;
+    fresh.lighting->setSkyLight(lowSun());
+    fresh.draw();
+    Country country;
+    country.draw();
+    // Twice as many tiles and more take little more memory than half of them.
+    Country half(2);
+    half.draw();
+    EXPECT_LT(country.lighting->getStatistics().bytes,
+              1.2 * static_cast<double>(half.lighting->getStatistics().bytes));
+    const std::vector<unsigned char> noon = country.picture.pixels();
+    EXPECT_NE(noon, fresh.picture.pixels());
+    country.lighting->setSkyLight(lowSun());
+    country.draw();
+    EXPECT_EQ(country.picture.pixels(), fresh.picture.pixels());
+    country.lighting->setSkyLight({});
+    country.draw();
+    EXPECT_EQ(country.picture.pixels(), noon);
+}
+
+// A tile that comes begins with the light of the one above, which rests.
+TEST(PagedTerrain, TilesThatRestLendTheirLight)
+{
+    OTL_NEED_GL(context);
+    Country country;
+    country.draw();
+    country.finest->removeChild(0u, 4u);
+    country.picture.draw(4); // until no frame uses what was bound to them
+    const osg::ref_ptr<osg::Node> again = childrenOf(*country.terrain, "1/1/0");
+    country.lighting->setTimeBudget(1.0e-6);
+    country.finest->addChild(again);
+    country.picture.draw();
+    for (const osgTerrain::TerrainTile* tile : tilesIn(*again))
+        EXPECT_TRUE(tile->getStateSet()->getTextureAttribute(ShadingTexture::formerUnit,
+                                                             osg::StateAttribute::TEXTURE));
+    EXPECT_EQ(takeGlErrors(), "");
+}
+
 TEST(PagedTerrain, DrapesPicturesAtTheirOwnResolution)
 {
     const std::string path = hillyRaster(200); // 6000 m
