@@ -33,13 +33,8 @@ struct Hills
         raster.transform[5] = north;
         raster.noData = noData;
         path = raster.write();
-        if (overviews.empty())
-            return;
-        GDALDatasetUniquePtr dataset(GDALDataset::Open(path.c_str(), GDAL_OF_UPDATE));
-        EXPECT_EQ(dataset->BuildOverviews("NEAREST", static_cast<int>(overviews.size()),
-                                          const_cast<int*>(overviews.data()), 0, nullptr, nullptr,
-                                          nullptr),
-                  CE_None);
+        if (!overviews.empty())
+            addOverviews(path, overviews);
     }
 
     double pixel(int column, int row) const
@@ -128,12 +123,7 @@ TEST(OverviewSource, OverviewsOfOtherSizesAreNearby)
     for (int i = 0; i < raster.width * raster.height; ++i)
         raster.values.push_back(i % raster.width);
     const std::string path = raster.write();
-    {
-        GDALDatasetUniquePtr dataset(GDALDataset::Open(path.c_str(), GDAL_OF_UPDATE));
-        int factors[] = {2, 4, 8};
-        ASSERT_EQ(dataset->BuildOverviews("NEAREST", 3, factors, 0, nullptr, nullptr, nullptr),
-                  CE_None);
-    }
+    addOverviews(path, {2, 4, 8});
     const auto source = opened(path, 4);
     for (int level = 1; level <= 3; ++level)
     {
@@ -216,30 +206,24 @@ TEST(OverviewSource, CrestsAreThoseOfTheReducer)
 
 TEST(OverviewSource, TellsOfOverviewsThatAreMissing)
 {
-    const auto notesOf = [](int overviews)
+    const auto notesOf = [](const std::vector<int>& overviews)
     {
         MemoryRaster raster;
         raster.width = 9000;
         raster.height = 3;
         raster.values.assign(27000, 7.0);
         const std::string path = raster.write();
-        if (overviews > 0)
-        {
-            GDALDatasetUniquePtr dataset(GDALDataset::Open(path.c_str(), GDAL_OF_UPDATE));
-            int factors[] = {2, 4, 8, 16};
-            EXPECT_EQ(dataset->BuildOverviews("NEAREST", overviews, factors, 0, nullptr, nullptr,
-                                              nullptr),
-                      CE_None);
-        }
+        if (!overviews.empty())
+            addOverviews(path, overviews);
         std::string all;
         const auto source = opened(path, 8);
         for (const std::string& note : source->notes())
             all += note + "\n";
         return all;
     };
-    EXPECT_NE(notesOf(0).find("gdaladdo -r nearest"), std::string::npos) << notesOf(0);
-    EXPECT_NE(notesOf(0).find("2 4 8 16 32"), std::string::npos) << notesOf(0);
-    EXPECT_EQ(notesOf(4).find("gdaladdo"), std::string::npos) << notesOf(4);
+    EXPECT_NE(notesOf({}).find("gdaladdo -r nearest"), std::string::npos) << notesOf({});
+    EXPECT_NE(notesOf({}).find("2 4 8 16 32"), std::string::npos) << notesOf({});
+    EXPECT_EQ(notesOf({2, 4, 8, 16}).find("gdaladdo"), std::string::npos) << notesOf({2, 4, 8, 16});
 }
 
 TEST(OverviewSource, RefusesWhatHasNoHeights)

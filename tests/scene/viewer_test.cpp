@@ -1,10 +1,12 @@
 #include "support/GlContext.h"
+#include "support/TestFolder.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <string>
 
 namespace
@@ -119,6 +121,43 @@ TEST(DynamicSample, DrawsWithoutAWindowAndDigsWhereOneClicks)
     }
     EXPECT_EQ(run(program + "craters no_such.tif --frames 2").exitCode, 1);
     EXPECT_EQ(run(program + "rivers").exitCode, 2);
+}
+
+// A raster that is drawn as one tile, and one that is paged.
+TEST(StreamingSample, FliesAndReports)
+{
+    OTL_NEED_GL(context);
+    const std::string large = (osgTerrainLight::testFolder() / "large.tif").string();
+    ASSERT_EQ(run(OTL_BINARY_DIR "/bin/terrainlight generate fractal " + large +
+                  " --size 2300 --seed 3 -q")
+                  .exitCode,
+              0);
+    const std::string program = "env LD_LIBRARY_PATH=" OTL_BINARY_DIR
+                                "/lib:$LD_LIBRARY_PATH OSG_LIBRARY_PATH=" OTL_BINARY_DIR
+                                "/lib " OTL_BINARY_DIR "/bin/streaming ";
+    for (const std::string& raster : {dem, large})
+    {
+        const std::string report = (osgTerrainLight::testFolder() / "flight.csv").string();
+        const Outcome outcome =
+            run(program + raster + ".terrainlight --headless --frames 5 --report " + report);
+        EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+        EXPECT_NE(outcome.output.find("5 frames"), std::string::npos) << outcome.output;
+        std::ifstream rows(report);
+        std::string row;
+        std::getline(rows, row);
+        EXPECT_EQ(row,
+                  "frame,milliseconds,light_milliseconds,tiles,lit,waiting,loading,light_bytes");
+        for (int frame = 0; frame < 5; ++frame)
+        {
+            ASSERT_TRUE(std::getline(rows, row)) << frame;
+            EXPECT_EQ(row.rfind(std::to_string(frame) + ",", 0), 0u) << row;
+        }
+        EXPECT_FALSE(std::getline(rows, row));
+    }
+    EXPECT_EQ(run(program + "no_such.tif.terrainlight --headless").exitCode, 1);
+    EXPECT_EQ(
+        run(program + dem + ".terrainlight --headless --report /no/such/folder/a.csv").exitCode, 1);
+    EXPECT_EQ(run(program + dem + ".terrainlight --frames 0").exitCode, 1);
 }
 
 TEST(Osgviewer, ShowsADemWithoutErrors)

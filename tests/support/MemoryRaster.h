@@ -91,4 +91,14 @@ struct MemoryRaster
     }
 };
 
+/// By the nearest pixel, into the file.
+inline void addOverviews(const std::string& path, std::vector<int> factors)
+{
+    GDALDatasetUniquePtr dataset(GDALDataset::Open(path.c_str(), GDAL_OF_UPDATE));
+    ASSERT_TRUE(dataset);
+    EXPECT_EQ(dataset->BuildOverviews("NEAREST", static_cast<int>(factors.size()), factors.data(),
+                                      0, nullptr, nullptr, nullptr),
+              CE_None);
+}
+
 } // namespace osgTerrainLight
