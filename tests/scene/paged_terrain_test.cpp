@@ -12,6 +12,7 @@
 #include "terrain/TerrainModel.h"
 
 #include <osg/ContextData>
+#include <osg/CullingSet>
 #include <osg/MatrixTransform>
 #include <osg/PagedLOD>
 #include <osg/Texture>
@@ -193,6 +194,28 @@ TEST(PagedTerrain, TilesStandByTheirPlace)
     // No finest tile has children, and no other name has any.
     for (const char* name : {"0/1/1", "", "country.tif", "2/x/1"})
         EXPECT_TRUE(terrain->readNode(name, nullptr).notFound()) << name;
+}
+
+// Expected: children where a cell in the middle of the tile, facing the camera, has more than two
+// pixels. At a distance d it has f * cell / d of them, f the focal length in pixels.
+TEST(PagedTerrain, RefinesWhereACellHasMoreThanTwoPixels)
+{
+    const osg::ref_ptr<PagedTerrain> terrain = paged(hillyRaster(257), 5);
+    const Result<osg::ref_ptr<osg::Node>> root = terrain->root();
+    ASSERT_TRUE(root);
+    const auto* lod = dynamic_cast<const osg::PagedLOD*>(root->get());
+    ASSERT_TRUE(lod);
+    constexpr double cell = 240.0; // 8 of 30 m
+    const double focal = 384.0 / std::tan(0.5 * osg::DegreesToRadians(30.0));
+    const osg::ref_ptr<osg::Viewport> window = new osg::Viewport(0.0, 0.0, 1024.0, 768.0);
+    osg::Vec4 pixels = osg::CullingSet::computePixelSizeVector(
+        *window, osg::Matrixd::perspective(30.0, 1024.0 / 768.0, 1.0, 1e7), osg::Matrixd());
+    for (const double perCell : {1.7, 2.3})
+    {
+        const osg::Vec3 middle(0.0f, 0.0f, static_cast<float>(-focal * cell / perCell));
+        const float size = lod->getRadius() / (middle * pixels);
+        EXPECT_EQ(size > lod->getMinRange(1), perCell > 2.0) << perCell;
+    }
 }
 
 TEST(PagedTerrain, NeighboursShareTheirEdge)

@@ -149,9 +149,9 @@ Result<osg::ref_ptr<osg::Node>> PagedTerrain::tile(const Place& place)
     node->setCenterMode(osg::LOD::USER_DEFINED_CENTER);
     node->setCenter(middle + shift);
     node->setRadius(static_cast<osg::LOD::value_type>(radius));
-    // OSG's pixels are those of the radius.
+    // OSG's pixels are those of the diameter.
     node->setRangeMode(osg::LOD::PIXEL_SIZE_ON_SCREEN);
-    const float pixels = static_cast<float>(pixelsPerCell * flat / std::max(east, north));
+    const float pixels = static_cast<float>(pixelsPerCell * 2.0 * flat / std::max(east, north));
     node->addChild(placed, 0.0f, pixels);
     node->setFileName(1, std::to_string(place.level) + "/" + std::to_string(place.x) + "/" +
                              std::to_string(place.y));
