@@ -73,16 +73,17 @@ public:
     osg::ref_ptr<TerrainLighting> lighting;
 };
 
-/// Along a figure of eight over the terrain, looking ahead and a little down. part: 0 … 1.
+constexpr double secondsPerLap = 120.0;
+
+/// Along a figure of eight over the terrain, looking ahead and a little down. part: of a lap.
 osg::Matrixd viewAt(const osg::BoundingSphere& terrain, double part)
 {
-    const double radius = static_cast<double>(terrain.radius());
-    const double reach = 0.35 * radius;
+    const double height = 0.03 * static_cast<double>(terrain.radius());
     const auto place = [&](double at)
     {
         const double angle = 2.0 * osg::PI * at;
-        return osg::Vec3d(reach * std::sin(angle), reach * std::sin(2.0 * angle) * 0.5,
-                          0.06 * radius * (1.2 + std::cos(angle))) +
+        return osg::Vec3d(10.0 * height * std::sin(angle), 5.0 * height * std::sin(2.0 * angle),
+                          height * (1.5 + 0.5 * std::cos(angle))) +
                osg::Vec3d(terrain.center());
     };
     const osg::Vec3d eye = place(part);
@@ -154,7 +155,7 @@ bool fly(osgViewer::Viewer& viewer, TerrainLighting& lighting, Panel& panel, con
     {
         const Clock::time_point start = Clock::now();
         viewer.getCamera()->setViewMatrix(
-            viewAt(terrain, static_cast<double>(frames) / options.frames));
+            viewAt(terrain, frames / (framesPerSecond * secondsPerLap)));
         viewer.frame(frames / framesPerSecond);
         const double spent =
             std::chrono::duration<double, std::milli>(Clock::now() - start).count();

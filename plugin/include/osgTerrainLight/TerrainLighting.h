@@ -94,10 +94,11 @@ public:
 
     /// Sets the time that is spent on light per frame and graphics context [ms], 0 … 1e9. The
     /// default is 50; 0 computes everything in one frame. The tile that is largest on the screen
-    /// comes first. Work is cut into pieces, of which a frame does as many as are expected to fit,
-    /// and at least one. A frame exceeds its time by up to a fifth; by more only where it does a
-    /// single piece: where shaders are compiled, and where the smallest piece takes longer. A tile
-    /// that waits is drawn with the light that it has, or as if this node were a plain group.
+    /// comes first; one that is begun is ended before. Work is cut into pieces, of which a frame
+    /// does as many as are expected to fit, and at least one. A frame exceeds its time by up to a
+    /// fifth; by more only where it does a single piece: where shaders are compiled, and where the
+    /// smallest piece takes longer. A tile that waits is drawn with the light that it has, or as if
+    /// this node were a plain group.
     void setTimeBudget(double milliseconds);
     double getTimeBudget() const;
 

@@ -265,18 +265,30 @@ Result<Raster<float>> RasterHeights::readEvery(int level, int column, int row, i
     { return nearest(frame.fileColumn(column + post * step), reader->width(), frame.width); };
     const int left = std::min(pixelOf(beginX), pixelOf(endX - 1));
     const int right = std::max(pixelOf(beginX), pixelOf(endX - 1));
-    std::vector<double> stored(static_cast<std::size_t>(right - left + 1));
+    const auto lineOf = [&](int post)
+    { return nearest(frame.fileRow(row + post * step), reader->height(), frame.height); };
+    // Rows that are close are read together: a call for each costs a VRT of many files dear.
+    PixelWindow window{left, std::min(lineOf(beginY), lineOf(endY - 1)), right - left + 1, 1};
+    const int lines = std::abs(lineOf(beginY) - lineOf(endY - 1)) + 1;
+    const bool isAtOnce = lines <= 2 * (endY - beginY);
+    window.height = isAtOnce ? lines : 1;
+    std::vector<double> stored(static_cast<std::size_t>(window.width) *
+                               static_cast<std::size_t>(window.height));
+    if (isAtOnce && !reader->read(window, stored.data(), false))
+        return reader->unreadable(_path, window, errors);
     for (int y = beginY; y < endY; ++y)
     {
-        const PixelWindow line{
-            left, nearest(frame.fileRow(row + y * step), reader->height(), frame.height),
-            right - left + 1, 1};
-        if (!reader->read(line, stored.data(), false))
-            return reader->unreadable(_path, line, errors);
+        if (!isAtOnce)
+        {
+            window.row = lineOf(y);
+            if (!reader->read(window, stored.data(), false))
+                return reader->unreadable(_path, window, errors);
+        }
+        const double* line =
+            stored.data() + static_cast<std::ptrdiff_t>(lineOf(y) - window.row) * window.width;
         for (int x = beginX; x < endX; ++x)
         {
-            const double metres =
-                _rules.metresOf(stored[static_cast<std::size_t>(pixelOf(x) - left)], info());
+            const double metres = _rules.metresOf(line[pixelOf(x) - left], info());
             if (!std::isnan(metres))
                 result.at(x, y) = placed(heightOf(metres, column + x * step, row + y * step),
                                          column + x * step, row + y * step);

@@ -38,7 +38,11 @@ void Scheduler::remove(LitTile* tile)
         --_alone;
     _tiles.erase(gone, _tiles.end());
     for (auto& [id, context] : _contexts)
+    {
         context.sights.erase(tile);
+        if (context.begun == tile)
+            context.begun = nullptr;
+    }
 }
 
 void Scheduler::setSettings(const LightingSettings& settings)
@@ -158,6 +162,10 @@ std::vector<osg::ref_ptr<LitTile>> Scheduler::inOrder(const Context& context) co
     };
     std::stable_sort(tiles.begin(), tiles.end(),
                      [&](const auto& a, const auto& b) { return rankOf(a) > rankOf(b); });
+    // What is begun is ended: else a camera that moves begins everything and ends nothing.
+    const auto begun = std::find(tiles.begin(), tiles.end(), context.begun);
+    if (begun != tiles.end())
+        std::rotate(tiles.begin(), begun, begun + 1);
     return tiles;
 }
 
@@ -182,13 +190,20 @@ void Scheduler::compute(osg::State& state)
     clock->begin(state);
     FramePace pace(*clock, state, budget);
     bool done = true;
+    const LitTile* last = nullptr;
     for (std::size_t i = 0; i < tiles.size() && !pace.isStopped(); ++i)
+    {
+        last = tiles[i];
         done = update(*tiles[i], state, pace) && done;
+    }
     const double spent = clock->spent();
     clock->end();
     const std::shared_ptr<const SceneLight> light = this->light();
     Lock lock(_mutex);
     _contexts[id].milliseconds = spent;
+    // It may have been removed meanwhile.
+    const bool isThere = std::find(_tiles.begin(), _tiles.end(), last) != _tiles.end();
+    _contexts[id].begun = pace.isStopped() && isThere ? last : nullptr;
     if (_contexts.size() == 1)
         restBehind(tiles, light);
     if (done && !pace.isStopped())

@@ -82,6 +82,7 @@ private:
         bool asked = false, supported = false;
         unsigned done = 0; ///< revision at which every tile was up to date
         std::map<const LitTile*, Sight> sights;
+        const LitTile* begun = nullptr; ///< where the budget stopped the last frame: it is first
         std::shared_ptr<WorkClock> clock;
         double milliseconds = 0.0; ///< in the last frame
     };

@@ -24,6 +24,7 @@ namespace
 constexpr std::size_t mostMarks = 256; // a driver that is so far behind is not asked for more
 // Weight of the newest piece in a mean that it raises or lowers.
 constexpr double higher = 0.5, lower = 0.25;
+constexpr double rising = 1.02;   // of the least, per piece
 constexpr double tolerated = 1.1; // of the budget: as much again is left for what is not foreseen
 constexpr double largest = 1.0 / 8.0; // piece, of the budget
 // A first piece takes as long [ms] where the budget is less: more pieces would cost more.
@@ -74,6 +75,8 @@ void WorkClock::begin(osg::State& state)
         const auto capabilities = GpuCapabilities::query(state);
         _isSoftware = capabilities && capabilities->isSoftware();
     }
+    if (_isSoftware)
+        glFinish(); // else the first piece would wait for what was drawn last, and seem to take it
     collect(state);
     const osg::FrameStamp* stamp = state.getFrameStamp();
     const long long frame = stamp ? static_cast<long long>(stamp->getFrameNumber()) : -1;
@@ -109,10 +112,21 @@ double WorkClock::expected(const std::string& kind) const
                                  : std::max(found->second.wall.value(), found->second.gpu.value());
 }
 
+double WorkClock::least(const std::string& kind) const
+{
+    const auto found = _costs.find(kind);
+    return found == _costs.end() ? 0.0
+                                 : std::max(found->second.wall.least(), found->second.gpu.least());
+}
+
 /// The first piece of a kind also compiles shaders: what is far below the mean takes its place.
 void WorkClock::Mean::add(double value)
 {
     value = std::max(value, 1.0e-9); // a clock that is too coarse
+    if (_least == 0.0 || value < _least)
+        _least = value;
+    else
+        _least = std::min(value, rising * _least);
     if (_value == 0.0 || value < 0.5 * _value)
         _value = value;
     else
@@ -188,7 +202,9 @@ unsigned FramePace::choose(const std::string& kind, unsigned left, unsigned leas
     double time = std::min(_limit - spent, largest * _limit);
     if (isFirst)
         time = std::max(time, shortest);
-    const double groups = std::min(time / each, static_cast<double>(left));
+    // By the least: where other threads are in the way, pieces by the mean would become smaller and
+    // smaller, each as long as the wait for a processor.
+    const double groups = std::min(time / _clock.least(kind), static_cast<double>(left));
     return std::max(least, static_cast<unsigned>(std::max(groups, 0.0)));
 }
 

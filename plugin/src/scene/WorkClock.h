@@ -46,6 +46,8 @@ public:
     double spent() const;
     /// What a group of a kind takes [ms]: a moving mean; 0 where none has run.
     double expected(const std::string& kind) const;
+    /// What it takes where nothing is in the way: the least, which rises slowly.
+    double least(const std::string& kind) const;
     /// Pieces since the frame began.
     unsigned steps() const { return _steps; }
 
@@ -55,9 +57,11 @@ private:
     public:
         void add(double value);
         double value() const { return _value; }
+        double least() const { return _least; }
 
     private:
         double _value = 0.0; ///< 0: none was added
+        double _least = 0.0;
     };
     struct Cost
     {
