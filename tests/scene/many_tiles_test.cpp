@@ -89,7 +89,7 @@ TEST(Tiles, HaveHandlesByLevelAndPlaceOrByNumber)
 // Expected: one warning per TerrainLighting, with the second tile that it has at the same time.
 TEST(Tiles, BesideOthersAreSaidToBeLitAloneOnce)
 {
-    const char* warning = "Each tile is lit alone, so shadows end at the edge of the tile";
+    const char* warning = "Each of them is lit alone, so its shadows end at its edge";
     const DemTile dem = analytic::plane(5, 5, 10.0, 0.0);
     std::vector<osg::ref_ptr<osg::StateSet>> states;
     const auto add = [&](TerrainLighting& lighting)

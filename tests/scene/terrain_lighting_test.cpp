@@ -679,7 +679,10 @@ TEST(TerrainLighting, HasStatistics)
     EXPECT_EQ(still.failed, 0u);
     EXPECT_EQ(still.milliseconds, 0.0);
     EXPECT_GT(still.bytes, coneTile().postCount() * 16u * 2u);
-    lighting->addChild(createTerrain(coneTile()));
+    osg::ref_ptr<osg::MatrixTransform> apart =
+        new osg::MatrixTransform(osg::Matrix::translate(2000.0, 0.0, 0.0));
+    apart->addChild(createTerrain(coneTile()));
+    lighting->addChild(apart);
     lighting->setTimeBudget(1.0e-6);
     picture.draw(2);
     EXPECT_EQ(lighting->getStatistics().tiles, 2u);

@@ -164,11 +164,15 @@ osg::StateAttribute* textureOf(osg::MatrixTransform& place, unsigned unit)
     return tileOf(place).getStateSet()->getTextureAttribute(unit, osg::StateAttribute::TEXTURE);
 }
 
-/// The picture of level ground alone.
-Pixels ofItself(const SkyLight& sky = {})
+/// The picture of level ground: alone, or lit with the tile above around it, which is never drawn.
+Pixels ofItself(const SkyLight& sky = {}, bool isAlone = false)
 {
     Flight alone;
     alone.lighting->setSkyLight(sky);
+    const osg::ref_ptr<osg::Switch> parent = new osg::Switch;
+    parent->addChild(above(), false);
+    if (!isAlone)
+        alone.lighting->addChild(parent);
     alone.lighting->addChild(below());
     alone.fly(4);
     return alone.pixels();
@@ -178,7 +182,7 @@ Pixels ofItself(const SkyLight& sky = {})
 // Expected: from the first frame on, the picture of the tile above: its texture is bilinear, and
 // the ground is seen from straight above. 1 of 255 for the rounding of places. Then mixtures, by
 // the share of the fade that has passed; 2 for three pictures' rounding. Then the picture of the
-// tile alone, to the last bit, since nothing of the former light is read.
+// tile itself, to the last bit, since nothing of the former light is read.
 TEST(TileFade, ANewTileBeginsWithTheLightAboveAndFades)
 {
     OTL_NEED_GL(context);
@@ -361,7 +365,7 @@ TEST(TileFade, LightAboveIsKeptAsLongAsItFades)
 TEST(TileFade, ATileThatIsLitAnewKeepsItsLightMeanwhile)
 {
     OTL_NEED_GL(context);
-    const Pixels own = ofItself();
+    const Pixels own = ofItself({}, true);
     Flight flight;
     const auto place = above();
     flight.lighting->addChild(place);
@@ -386,7 +390,7 @@ TEST(TileFade, ATileThatIsLitAnewKeepsItsLightMeanwhile)
     EXPECT_FALSE(textureOf(*place, ShadingTexture::formerUnit));
 }
 
-// Expected: with no time to fade, the picture before, then that of the tile alone.
+// Expected: with no time to fade, the picture before, then that of the tile itself.
 TEST(TileFade, OfNoTimeShowsLightAsSoonAsItIsThere)
 {
     OTL_NEED_GL(context);
@@ -479,7 +483,7 @@ TEST(TileFade, IsNotSaved)
 {
     OTL_NEED_GL(context);
     useOwnPlugins();
-    const Pixels own = ofItself();
+    const Pixels own = ofItself({}, true);
     const std::string path = (testFolder() / "fading.osgt").string();
     {
         Flight flight;

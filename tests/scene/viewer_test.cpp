@@ -86,9 +86,11 @@ TEST_P(ViewerThreads, DrawWithoutErrors)
     EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
     expectNoGlError(outcome.output);
     // The program adds tiles beside each other.
-    EXPECT_EQ(outcome.output,
-              "osgTerrainLight: the scene has several terrain tiles. Each tile is lit alone, so "
-              "shadows end at the edge of the tile that casts them.\n");
+    EXPECT_EQ(
+        outcome.output,
+        "osgTerrainLight: the scene has several terrain tiles that touch no other one. Each of "
+        "them is lit alone, so its shadows end at its edge. Tiles of osgTerrain whose edges "
+        "meet light one another; tiles of addTile() do not.\n");
 }
 
 INSTANTIATE_TEST_SUITE_P(

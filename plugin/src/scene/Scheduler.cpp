@@ -24,9 +24,11 @@ void Scheduler::add(LitTile* tile)
     if (_alone >= 2 && !_saidAlone)
     {
         _saidAlone = true;
-        OSG_WARN << "osgTerrainLight: the scene has several terrain tiles. Each tile is lit alone, "
-                    "so shadows end at the edge of the tile that casts them."
-                 << std::endl;
+        OSG_WARN
+            << "osgTerrainLight: the scene has several terrain tiles that touch no other one. "
+               "Each of them is lit alone, so its shadows end at its edge. Tiles of osgTerrain "
+               "whose edges meet light one another; tiles of addTile() do not."
+            << std::endl;
     }
 }
 

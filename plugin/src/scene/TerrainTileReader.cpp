@@ -157,6 +157,44 @@ Result<TerrainHeights> readTerrainTile(osgTerrain::TerrainTile& tile, const osg:
     return TerrainHeights{std::move(dem), nullptr};
 }
 
+std::optional<PlacedGround> placeTerrainTile(const osgTerrain::TerrainTile& tile,
+                                             const osg::Matrixd& toScene, const DemTile& dem)
+{
+    const auto* data = dynamic_cast<const DemData*>(tile.getUserData());
+    const osgTerrain::Layer* layer = tile.getElevationLayer();
+    if (!layer || !layer->getLocator() || (data && data->windows()))
+        return std::nullopt;
+    const osgTerrain::Locator& locator = *layer->getLocator();
+    PlacedGround ground;
+    osg::Vec3d corner, opposite;
+    if (locator.getCoordinateSystemType() == osgTerrain::Locator::PROJECTED)
+    {
+        const Placement place(locator, toScene);
+        corner = place.at(0.0, 0.0);
+        opposite = place.at(1.0, 1.0);
+        // A height field of a DemTile is above its heightOrigin already.
+        ground.patch.lift = corner.z() - (data ? dem.heightOrigin : 0.0);
+    }
+    else
+    {
+        corner = osg::Vec3d(0.0, 0.0, 0.0) * locator.getTransform(); // longitude, latitude
+        opposite = osg::Vec3d(1.0, 1.0, 0.0) * locator.getTransform();
+        const osg::EllipsoidModel* body = locator.getEllipsoidModel();
+        ground.semiMajor = body ? body->getRadiusEquator() : osg::WGS_84_RADIUS_EQUATOR;
+        ground.semiMinor = body ? body->getRadiusPolar() : osg::WGS_84_RADIUS_POLAR;
+        ground.toScene = toScene;
+    }
+    TerrainPatch& patch = ground.patch;
+    patch.west = corner.x();
+    patch.south = corner.y();
+    patch.eastStep = (opposite.x() - corner.x()) / std::max(1, dem.width() - 1);
+    patch.northStep = (opposite.y() - corner.y()) / std::max(1, dem.height() - 1);
+    if (!(patch.eastStep > 0.0 && patch.northStep > 0.0))
+        return std::nullopt;
+    patch.dem = std::make_shared<const DemTile>(dem);
+    return ground;
+}
+
 std::optional<ShadingCoordinates> affineCoordinates(const osgTerrain::TerrainTile& tile,
                                                     const std::vector<TilePart>& parts)
 {

@@ -2,6 +2,7 @@
 
 #include "core/Raster.h"
 #include "core/Result.h"
+#include "scene/TileNeighbours.h"
 #include <osgTerrainLight/DemTile.h>
 #include <osgTerrainLight/ShadingTexture.h>
 #include <osgTerrainLight/SkyLight.h>
@@ -58,6 +59,12 @@ struct TerrainHeights
 /// Heights of a tile in metres, through its elevation layer and locator. toScene: from the tile's
 /// frame to that of TerrainLighting. An error where rows do not run east, or heights not up.
 Result<TerrainHeights> readTerrainTile(osgTerrain::TerrainTile& tile, const osg::Matrixd& toScene);
+
+/// Where the tile's heights lie on its map: in the frame of TerrainLighting [m], or in radians
+/// where its locator has these. None where the tile comes with what surrounds it. dem: its heights
+/// as readTerrainTile() has read them.
+std::optional<PlacedGround> placeTerrainTile(const osgTerrain::TerrainTile& tile,
+                                             const osg::Matrixd& toScene, const DemTile& dem);
 
 /// The tile's first colour layer as an albedo per post: a picture over the tile's whole extent, its
 /// bytes sRGB. Empty where it has none, one that is no picture, or one compressed for the GPU.

@@ -67,7 +67,35 @@ void TerrainTiles::came(const FoundTile& found)
     SceneTile& tile = _registry.add(handle);
     tile.terrain = found.tile;
     _tiles.push_back(handle);
-    use(tile, found, true);
+    _came.push_back(handle);
+}
+
+/// Tiles that came are lit once all of them are known to one another.
+void TerrainTiles::begin(const TileFinder& finder)
+{
+    const std::vector<TileHandle> came = std::exchange(_came, {});
+    for (const TileHandle& handle : came)
+        if (SceneTile* tile = _registry.find(handle))
+            if (const std::optional<FoundTile> found = finder.find(tile->terrain.get()))
+                if (const auto heights = readTerrainTile(*tile->terrain, found->toScene))
+                    if (const auto ground =
+                            placeTerrainTile(*tile->terrain, found->toScene, heights->dem))
+                        _neighbours.set(handle, *ground);
+    for (const TileHandle& handle : came)
+        if (SceneTile* tile = _registry.find(handle))
+            if (const std::optional<FoundTile> found = finder.find(tile->terrain.get()))
+                use(*tile, *found, true);
+}
+
+/// One tile that sees other ground now is lit again per update, from heights that are known.
+void TerrainTiles::relight(const TileFinder& finder)
+{
+    const std::optional<TileHandle> stale = _neighbours.takeStale();
+    SceneTile* tile = stale ? _registry.find(*stale) : nullptr;
+    if (!tile || !tile->lit) // what is not lit yet will see what is there then
+        return;
+    if (const std::optional<FoundTile> found = finder.find(tile->terrain.get()))
+        use(*tile, *found, true);
 }
 
 void TerrainTiles::changed(const FoundTile& found)
@@ -89,6 +117,7 @@ void TerrainTiles::went(osgTerrain::TerrainTile& terrain)
         return;
     undoWait(*tile);
     _binder.release(*tile);
+    _neighbours.remove(handle);
     _registry.remove(handle);
     _tiles.erase(std::find(_tiles.begin(), _tiles.end(), handle));
 }
@@ -98,6 +127,7 @@ void TerrainTiles::update(const TileFinder& finder, unsigned updatesBelow)
     if (updatesBelow != _updatesBelow)
         _settling = std::max(_settling, 2); // it may look at geometry that is swapped a frame later
     _updatesBelow = updatesBelow;
+    begin(finder);
     const bool all = _settling > 0;
     _settling = std::max(_settling - 1, 0);
     const std::size_t looks = all ? _tiles.size() : std::min(looksPerUpdate, _tiles.size());
@@ -107,6 +137,7 @@ void TerrainTiles::update(const TileFinder& finder, unsigned updatesBelow)
         if (SceneTile* tile = _registry.find(_tiles[_next]))
             look(*tile, finder);
     }
+    relight(finder);
     _searched = true;
 }
 
@@ -222,7 +253,18 @@ void TerrainTiles::fail(SceneTile& tile, const std::string& problem)
                  << std::endl;
     tile.problem = problem;
     tile.former.reset();
+    _neighbours.remove(tile.handle);
     undoWait(tile);
+}
+
+void TerrainTiles::surround(SceneTile& tile, const FoundTile& found, TerrainHeights& heights)
+{
+    const std::optional<PlacedGround> ground =
+        placeTerrainTile(*tile.terrain, found.toScene, heights.dem);
+    if (!ground)
+        return;
+    _neighbours.set(tile.handle, *ground);
+    heights.windows = _neighbours.around(tile.handle, _scheduler->light()->settings.quality);
 }
 
 void TerrainTiles::use(SceneTile& tile, const FoundTile& found, bool fresh)
@@ -259,9 +301,10 @@ void TerrainTiles::use(SceneTile& tile, const FoundTile& found, bool fresh)
     tile.version = version;
     if (!version.layer)
         return fail(tile, ""); // may come later
-    const Result<TerrainHeights> heights = readTerrainTile(terrain, found.toScene);
+    Result<TerrainHeights> heights = readTerrainTile(terrain, found.toScene);
     if (!heights)
         return fail(tile, heights.error().message);
+    surround(tile, found, *heights);
     std::optional<ShadingCoordinates> coordinates = affineCoordinates(terrain, parts);
     tile.withoutGeometry = parts.empty();
     tile.byTexCoord = !coordinates;

@@ -4,6 +4,7 @@
 #include "scene/TileBinder.h"
 #include "scene/TileFades.h"
 #include "scene/TileFinder.h"
+#include "scene/TileNeighbours.h"
 #include "scene/TileRegistry.h"
 
 #include <vector>
@@ -48,7 +49,10 @@ private:
     static constexpr int updatesToSettle = 4;
     static constexpr std::size_t looksPerUpdate = 32;
 
+    void begin(const TileFinder& finder);
     void use(SceneTile& tile, const FoundTile& found, bool fresh);
+    void surround(SceneTile& tile, const FoundTile& found, TerrainHeights& heights);
+    void relight(const TileFinder& finder);
     void look(SceneTile& tile, const TileFinder& finder);
     bool isFree(SceneTile& tile);
     bool waits(SceneTile& tile, const std::vector<TilePart>& parts, bool fresh);
@@ -59,7 +63,9 @@ private:
     TileBinder& _binder;
     osg::ref_ptr<Scheduler> _scheduler;
     std::vector<TileHandle> _tiles; ///< in the order in which they came
-    std::size_t _next = 0;          ///< to be looked at
+    std::vector<TileHandle> _came;  ///< since the last update
+    TileNeighbours _neighbours;
+    std::size_t _next = 0; ///< to be looked at
     int _settling = updatesToSettle;
     unsigned _updatesBelow = 0; ///< of the last update
     bool _searched = false;
