@@ -4,6 +4,7 @@
 #include "io/MapReader.h"
 #include "scene/TerrainTileReader.h"
 #include "support/MapTransform.h"
+#include "support/MemoryRaster.h"
 #include "support/TestFolder.h"
 #include "terrain/TerrainModel.h"
 
@@ -11,6 +12,7 @@
 #include <gtest/gtest.h>
 #include <osg/Image>
 #include <osg/NodeVisitor>
+#include <osg/PagedLOD>
 #include <osgTerrain/TerrainTile>
 
 #include <cmath>
@@ -246,4 +248,40 @@ TEST(MapLayers, TilesByLongitudeAndLatitude)
         }
     for (const int count : seen)
         EXPECT_GT(count, 0);
+}
+
+// Expected: two layers side by side of 1300 posts each are more than one tile has, and are paged;
+// their extent is theirs together, and what is missing beside them is left out with its line.
+TEST(MapLayers, LayersThatAreLargeTogetherArePaged)
+{
+    const auto write = [](double west, double height)
+    {
+        MemoryRaster made;
+        made.width = 1300;
+        made.height = 20;
+        made.transform = {west, 10, 0, 4000200, 0, -10};
+        made.values.assign(std::size_t(made.width) * std::size_t(made.height), height);
+        return made.write();
+    };
+    const std::string xml = "<map>\n<GDALElevation name='a' url='" + write(500000, 100) +
+                            "'/>\n<GDALElevation name='b' url='" + write(513000, 300) +
+                            "'/>\n<GDALElevation name='c' url='none.tif'/>\n</map>";
+    const Result<EarthMap> map = parseEarth(xml, "m.earth");
+    ASSERT_TRUE(map) << map.error().message;
+    const Result<TerrainModel> model = loadMap(*map, testFolder().string(), "m.earth");
+    ASSERT_TRUE(model) << model.error().message;
+    ASSERT_EQ(model->warnings.size(), 1u);
+    EXPECT_NE(model->warnings[0].find("m.earth:4: left out"), std::string::npos)
+        << model->warnings[0];
+    std::string notes;
+    for (const std::string& note : model->notes)
+        notes += note + "\n";
+    EXPECT_NE(notes.find("2 layers of heights make one of 2600 x 20 posts"), std::string::npos)
+        << notes;
+    EXPECT_EQ(notes.find("averaged"), std::string::npos) << notes;
+    ASSERT_GT(model->node->getNumChildren(), 0u);
+    EXPECT_TRUE(dynamic_cast<const osg::PagedLOD*>(model->node->getChild(0)));
+    EXPECT_NEAR(model->terrain.xMax() - model->terrain.xMin(), 25990.0, 20.0);
+    EXPECT_NEAR(model->terrain.zMin(), 100.0, 1.0);
+    EXPECT_NEAR(model->terrain.zMax(), 300.0, 1.0);
 }

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace osgTerrainLight
 {
@@ -47,8 +48,7 @@ Error openingError(const std::string& path, const GdalErrors& errors)
             path + ": is no raster that GDAL reads, or is damaged (" + errors.first() + ")"};
 }
 
-std::optional<Error> openBand(const std::string& path, const DemReadOptions& options, OpenDem& dem,
-                              const GdalErrors& errors)
+std::optional<Error> openFile(const std::string& path, OpenDem& dem, const GdalErrors& errors)
 {
     if (const std::string wrong = complaintOfFile(path); !wrong.empty())
         return Error{ErrorCode::Invalid, path + ": " + wrong};
@@ -56,7 +56,12 @@ std::optional<Error> openBand(const std::string& path, const DemReadOptions& opt
         GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
     if (!dem.dataset)
         return openingError(path, errors);
+    return std::nullopt;
+}
 
+std::optional<Error> chooseBand(const std::string& path, const DemReadOptions& options,
+                                OpenDem& dem)
+{
     GDALDataset& dataset = *dem.dataset;
     DemInfo& info = dem.info;
     info.rasterWidth = dataset.GetRasterXSize();
@@ -187,11 +192,15 @@ void readCrs(OpenDem& dem)
 } // namespace
 
 Result<OpenDem> openDem(const std::string& path, const DemReadOptions& options, bool limited,
-                        const GdalErrors& errors)
+                        const GdalErrors& errors, GDALDatasetUniquePtr dataset)
 {
     OpenDem dem;
     DemInfo& info = dem.info;
-    if (auto error = openBand(path, options, dem, errors))
+    dem.dataset = std::move(dataset);
+    if (!dem.dataset)
+        if (auto error = openFile(path, dem, errors))
+            return *error;
+    if (auto error = chooseBand(path, options, dem))
         return *error;
     std::vector<std::string> bandNotes;
     Result<BandFacts> band =

@@ -19,8 +19,9 @@ struct OpenDem
     GroundSpacing ground;
 };
 
-/// limited: whether the size is, since heights will be read.
+/// limited: whether the size is, since heights will be read. dataset: of the path, where it is open
+/// already.
 Result<OpenDem> openDem(const std::string& path, const DemReadOptions& options, bool limited,
-                        const GdalErrors& errors);
+                        const GdalErrors& errors, GDALDatasetUniquePtr dataset = nullptr);
 
 } // namespace osgTerrainLight

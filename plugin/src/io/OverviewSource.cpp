@@ -44,8 +44,14 @@ OverviewSource::open(const std::string& path, const DemReadOptions& options, int
     auto heights = RasterHeights::open(path, options, true, std::numeric_limits<double>::max());
     if (!heights)
         return heights.error();
+    return open(std::move(*heights), cellsLog2);
+}
+
+Result<std::unique_ptr<OverviewSource>> OverviewSource::open(std::unique_ptr<RasterHeights> heights,
+                                                             int cellsLog2)
+{
     std::unique_ptr<OverviewSource> made(new OverviewSource);
-    made->_heights = std::move(*heights);
+    made->_heights = std::move(heights);
     made->_cellsLog2 = cellsLog2;
     RasterHeights& raster = *made->_heights;
     const RasterFrame& frame = raster.info().frame;
@@ -84,7 +90,7 @@ OverviewSource::open(const std::string& path, const DemReadOptions& options, int
                                std::to_string(frame.height) +
                                " posts, since overviews are missing; faster after: gdaladdo -r "
                                "nearest \"" +
-                               path + "\"" + factors);
+                               raster.path() + "\"" + factors);
     }
     return made;
 }

@@ -33,6 +33,9 @@ public:
     /// options: window, progress and maxPosts do not count.
     static Result<std::unique_ptr<OverviewSource>>
     open(const std::string& path, const DemReadOptions& options, int cellsLog2 = 8);
+    /// Of a raster that is open, and of which nothing was read; all of it is lit.
+    static Result<std::unique_ptr<OverviewSource>> open(std::unique_ptr<RasterHeights> heights,
+                                                        int cellsLog2 = 8);
     ~OverviewSource() override;
 
     int root() const { return _root; }
@@ -54,6 +57,8 @@ public:
 
     /// Of the whole raster.
     const RasterFrame& frame() const;
+    /// All of the raster in the quadtree, poles and beyond too; terrain() may be less.
+    PostRect raster() const { return {_west, _south, frame().width, frame().height}; }
     const DemInfo& info() const;
     /// Heights by place, x east and y north of the raster's middle [m], above the datum [m], as the
     /// nearest post of the coarsest tile tells; NaN where it is void. They do not need the source.

@@ -25,10 +25,11 @@ int postsFor(double metres, double spacing)
 
 Result<std::unique_ptr<RasterHeights>> RasterHeights::open(const std::string& path,
                                                            const DemReadOptions& options,
-                                                           bool beyondWindow, double reach)
+                                                           bool beyondWindow, double reach,
+                                                           GDALDatasetUniquePtr dataset)
 {
     GdalErrors errors;
-    Result<OpenDem> opened = openDem(path, options, false, errors);
+    Result<OpenDem> opened = openDem(path, options, false, errors, std::move(dataset));
     if (!opened)
         return opened.error();
     std::unique_ptr<RasterHeights> made(new RasterHeights);
@@ -36,6 +37,8 @@ Result<std::unique_ptr<RasterHeights>> RasterHeights::open(const std::string& pa
     made->_heightFactor = options.heightFactor;
     made->_shift = options.shift;
     made->_dem = std::move(*opened);
+    if (!options.byMapScale)
+        made->_dem.ground.factors = HeightFactors();
     const DemInfo& info = made->_dem.info;
     const OGRSpatialReference* crs = made->_dem.dataset->GetSpatialRef();
     if (crs && info.geographic)

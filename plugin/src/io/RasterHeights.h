@@ -23,9 +23,12 @@ class RasterHeights
 {
 public:
     /// beyondWindow: whether posts of the raster outside options.window are there, up to `reach`
-    /// [m] from it. options.maxPosts and options.progress do not count.
-    static Result<std::unique_ptr<RasterHeights>>
-    open(const std::string& path, const DemReadOptions& options, bool beyondWindow, double reach);
+    /// [m] from it. options.maxPosts and options.progress do not count. dataset: of the path, where
+    /// it is open already.
+    static Result<std::unique_ptr<RasterHeights>> open(const std::string& path,
+                                                       const DemReadOptions& options,
+                                                       bool beyondWindow, double reach,
+                                                       GDALDatasetUniquePtr dataset = nullptr);
 
     const std::string& path() const { return _path; }
     const DemInfo& info() const { return _dem.info; } ///< of the window that is lit

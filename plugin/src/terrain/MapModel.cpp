@@ -1,6 +1,7 @@
 #include "terrain/TerrainModel.h"
 
 #include "io/CompositeDem.h"
+#include "io/CompositeRaster.h"
 #include "io/HeightShift.h"
 #include "io/LocalFrame.h"
 #include "io/TileRaster.h"
@@ -108,8 +109,8 @@ private:
             else
                 leaveOut(layer, path.error());
         bringToOneDatum(dems, layers);
-        if (dems.size() == 1 && isPaged(dems[0].path, dems[0].read))
-            return openPaged(dems[0], *layers[0]);
+        if (std::optional<CompositeRaster> large = openComposite(dems, mostDrawnPosts))
+            return takePaged(*large, layers);
         CompositeDem composite = readComposite(dems, mostDrawnPosts);
         for (const auto& [number, reason] : composite.leftOut)
             leaveOut(*layers[number], reason);
@@ -118,23 +119,21 @@ private:
     }
 
     /// Of _tile there are then corners only.
-    void openPaged(const DemLayer& dem, const EarthLayer& layer)
+    void takePaged(CompositeRaster& large, const std::vector<const EarthLayer*>& layers)
     {
-        Result<std::unique_ptr<OverviewSource>> source = OverviewSource::open(dem.path, dem.read);
-        if (!source)
-            return leaveOut(layer, source.error());
-        for (const std::string& note : (*source)->notes())
-            _model.notes.push_back(dem.path + ": " + note);
-        _tile = (*source)->cornersOf(0, (*source)->terrain());
+        for (const auto& [number, reason] : large.leftOut)
+            leaveOut(*layers[number], reason);
+        if (!large.source)
+            return;
+        auto heightAt = large.source->coarseHeights();
+        if (!heightAt)
+            return leaveOut(*layers[0], heightAt.error());
+        _model.notes.insert(_model.notes.end(), large.notes.begin(), large.notes.end());
+        _tile = large.source->cornersOf(0, large.source->terrain());
         LocalFrame frame = localFrameOf(*_tile);
-        if (auto heightAt = (*source)->coarseHeights())
-        {
-            frame.heightAt = *heightAt;
-            placeViewpoints(frame);
-        }
-        else
-            return leaveOut(layer, heightAt.error());
-        _paged = std::move(*source);
+        frame.heightAt = *heightAt;
+        placeViewpoints(frame);
+        _paged = std::move(large.source);
     }
 
     void addPagedTerrain()

@@ -27,8 +27,8 @@ struct TerrainModel
     std::vector<std::string> notes;    ///< assumptions
 };
 
-/// Most posts a side of a raster that is drawn as one tile; larger ones are paged (PagedTerrain).
-/// Several layers that are larger together are averaged down to it.
+/// Most posts a side of terrain that is drawn as one tile; larger rasters, and layers that are
+/// larger together, are paged (PagedTerrain).
 constexpr int mostDrawnPosts = 2048;
 
 /// The tile as an osgTerrain::TerrainTile in metres: x east, y north, from its middle; z above the
