@@ -493,3 +493,28 @@ TEST(TileNeighbours, OfAPagedDatabaseAreLitAsOnePiece)
     EXPECT_LE(most, 12);
     EXPECT_EQ(said.text(), "");
 }
+
+// Expected: with no time to speak of, one tile whose surroundings are read per frame, and in the
+// end the same picture.
+TEST(TileNeighbours, OfAStockSceneAreReadWithinTheBudget)
+{
+    OTL_NEED_GL(context);
+    const auto sceneOf = [](const osg::ref_ptr<TerrainLighting>& lighting)
+    {
+        for (const auto& tile : stockTiles())
+            lighting->addChild(tile);
+        return lighting;
+    };
+    const Pixels expected = pictureOf(sceneOf(eveningLight(8)));
+    const osg::ref_ptr<TerrainLighting> lighting = sceneOf(eveningLight(8));
+    lighting->setTimeBudget(1.0e-6);
+    ScenePicture picture(lighting, halfSide);
+    for (unsigned frame = 1; frame <= 16; ++frame)
+    {
+        picture.draw();
+        EXPECT_EQ(lighting->getTileCount(), frame);
+    }
+    lighting->setTimeBudget(0.0);
+    settle(picture, *lighting);
+    EXPECT_EQ(picture.pixels(), expected);
+}

@@ -159,13 +159,19 @@ Result<Raster<float>> PatchSource::readLevel(int level, CrestAxis axis, const Po
         return Raster<float>(std::max(0, posts.width), std::max(0, posts.height), missing);
     const int finer = level > 1 ? 2 : 1;
     const int scale = 1 << finer;
-    // Half a post to all sides.
-    const Result<Raster<float>> read =
-        readSurface(level - finer, {scale * posts.column - scale / 2, scale * posts.row - scale / 2,
-                                    scale * posts.width + 1, scale * posts.height + 1});
-    if (!read)
-        return read.error();
-    Raster<float> cells = cellsOf(*read, axis);
+    if (level != _readLevel || !posts.contains(_readPosts) || !_readPosts.contains(posts))
+    {
+        // Half a post to all sides.
+        Result<Raster<float>> read = readSurface(
+            level - finer, {scale * posts.column - scale / 2, scale * posts.row - scale / 2,
+                            scale * posts.width + 1, scale * posts.height + 1});
+        if (!read)
+            return read.error();
+        _read = std::move(*read);
+        _readLevel = level;
+        _readPosts = posts;
+    }
+    Raster<float> cells = cellsOf(_read, axis);
     for (int k = 0; k < finer; ++k)
         cells = coarserCells(cells, axis);
     return cells;

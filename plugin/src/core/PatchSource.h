@@ -76,6 +76,10 @@ private:
     std::vector<TerrainPatch> _patches; ///< those that count most last, the tile the very last
     std::function<double(double)> _eastMetres;
     PostRect _place, _extent; ///< of level 0
+    /// What crests were made of last: those along the other axis are of the same posts.
+    int _readLevel = -1;
+    PostRect _readPosts;
+    Raster<float> _read;
 };
 
 } // namespace osgTerrainLight

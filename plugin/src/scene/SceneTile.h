@@ -72,6 +72,7 @@ struct SceneTile
     bool ownStateSet = false;             ///< the terrain tile had none before
     /// Of a StateSet that has been made DYNAMIC and is bound at the next update.
     std::optional<osg::Object::DataVariance> theirVariance;
+    bool isNew = false;        ///< it waits for its turn to be read and bound
     bool waitsForNext = false; ///< it is not looked at before the next update
     bool foundTaken = false;   ///< another TerrainLighting had it at the last look
     bool byTexCoord = false;

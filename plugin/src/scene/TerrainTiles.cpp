@@ -4,6 +4,7 @@
 #include <osgTerrain/GeometryTechnique>
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 namespace osgTerrainLight
@@ -66,30 +67,48 @@ void TerrainTiles::came(const FoundTile& found)
     const TileHandle handle = _registry.handleOf(*found.tile);
     SceneTile& tile = _registry.add(handle);
     tile.terrain = found.tile;
+    tile.isNew = true;
     _tiles.push_back(handle);
-    _came.push_back(handle);
+    _new.push_back(handle);
 }
 
-/// Tiles that came are lit once all of them are known to one another.
+/// Tiles that came are lit once all of them are known to one another. Those whose surroundings take
+/// longer to read than the budget of a frame wait for the next one.
 void TerrainTiles::begin(const TileFinder& finder)
 {
-    const std::vector<TileHandle> came = std::exchange(_came, {});
-    for (const TileHandle& handle : came)
-        if (SceneTile* tile = _registry.find(handle))
-            if (const std::optional<FoundTile> found = finder.find(tile->terrain.get()))
-                if (const auto heights = readTerrainTile(*tile->terrain, found->toScene))
-                    if (const auto ground =
-                            placeTerrainTile(*tile->terrain, found->toScene, heights->dem))
-                        _neighbours.set(handle, *ground);
-    for (const TileHandle& handle : came)
-        if (SceneTile* tile = _registry.find(handle))
+    _reading = 0.0;
+    for (const TileHandle& handle : std::exchange(_new, {}))
+    {
+        _came.push_back(handle);
+        const SceneTile* tile = _registry.find(handle);
+        const auto found = tile ? finder.find(tile->terrain.get()) : std::optional<FoundTile>();
+        if (!found)
+            continue;
+        if (const auto heights = readTerrainTile(*tile->terrain, found->toScene))
+            if (const auto ground = placeTerrainTile(*tile->terrain, found->toScene, heights->dem))
+                _neighbours.set(handle, *ground);
+    }
+    while (!_came.empty() && hasTime())
+    {
+        SceneTile* tile = _registry.find(_came.front());
+        _came.pop_front();
+        if (tile && std::exchange(tile->isNew, false))
             if (const std::optional<FoundTile> found = finder.find(tile->terrain.get()))
                 use(*tile, *found, true);
+    }
+}
+
+bool TerrainTiles::hasTime() const
+{
+    const double budget = _scheduler->budget;
+    return budget <= 0.0 || _reading < budget;
 }
 
 /// One tile that sees other ground now is lit again per update, from heights that are known.
 void TerrainTiles::relight(const TileFinder& finder)
 {
+    if (!hasTime())
+        return;
     const std::optional<TileHandle> stale = _neighbours.takeStale();
     SceneTile* tile = stale ? _registry.find(*stale) : nullptr;
     if (!tile || !tile->lit) // what is not lit yet will see what is there then
@@ -102,7 +121,7 @@ void TerrainTiles::changed(const FoundTile& found)
 {
     settle();
     SceneTile* tile = _registry.find(_registry.handleOf(*found.tile));
-    if (tile && tile->terrain == found.tile)
+    if (tile && tile->terrain == found.tile && !tile->isNew)
         use(*tile, found, false);
     else if (!tile)
         came(found);
@@ -143,7 +162,7 @@ void TerrainTiles::update(const TileFinder& finder, unsigned updatesBelow)
 
 void TerrainTiles::look(SceneTile& tile, const TileFinder& finder)
 {
-    if (std::exchange(tile.waitsForNext, false))
+    if (tile.isNew || std::exchange(tile.waitsForNext, false))
         return;
     const osgTerrain::TerrainTile& terrain = *tile.terrain;
     if (tile.withoutGeometry || !(versionOf(terrain, tile.version.toScene) == tile.version))
@@ -264,7 +283,12 @@ void TerrainTiles::surround(SceneTile& tile, const FoundTile& found, TerrainHeig
     if (!ground)
         return;
     _neighbours.set(tile.handle, *ground);
+    const auto start = std::chrono::steady_clock::now();
     heights.windows = _neighbours.around(tile.handle, _scheduler->light()->settings.quality);
+    if (heights.windows)
+        _reading +=
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+                .count();
 }
 
 void TerrainTiles::use(SceneTile& tile, const FoundTile& found, bool fresh)

@@ -7,6 +7,7 @@
 #include "scene/TileNeighbours.h"
 #include "scene/TileRegistry.h"
 
+#include <deque>
 #include <vector>
 
 namespace osgTerrainLight
@@ -51,6 +52,7 @@ private:
 
     void begin(const TileFinder& finder);
     void use(SceneTile& tile, const FoundTile& found, bool fresh);
+    bool hasTime() const;
     void surround(SceneTile& tile, const FoundTile& found, TerrainHeights& heights);
     void relight(const TileFinder& finder);
     void look(SceneTile& tile, const TileFinder& finder);
@@ -63,7 +65,9 @@ private:
     TileBinder& _binder;
     osg::ref_ptr<Scheduler> _scheduler;
     std::vector<TileHandle> _tiles; ///< in the order in which they came
-    std::vector<TileHandle> _came;  ///< since the last update
+    std::deque<TileHandle> _came;   ///< whose ground is known, and that are not lit yet
+    std::vector<TileHandle> _new;   ///< since the last update
+    double _reading = 0.0;          ///< what surrounds tiles, in this update [ms]
     TileNeighbours _neighbours;
     std::size_t _next = 0; ///< to be looked at
     int _settling = updatesToSettle;

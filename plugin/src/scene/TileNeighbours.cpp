@@ -112,7 +112,11 @@ void TileNeighbours::set(const TileHandle& handle, const PlacedGround& ground)
     if (!change)
         return;
     if (known != _tiles.end())
+    {
         now.surrounded = known->second.surrounded;
+        if (!ground.isOnMapOf(known->second.ground))
+            mark(handle, whole(known->second)); // it has left another map
+    }
     _tiles[handle] = now;
     mark(handle, *change);
 }
