@@ -12,26 +12,6 @@ using namespace osgTerrainLight;
 
 namespace
 {
-/// A raster whose heights are a function of the map place of each pixel's middle.
-std::string raster(int width, int height, const std::vector<double>& transform,
-                   const std::function<double(double x, double y)>& heightAt,
-                   const std::string& crs = "EPSG:32633")
-{
-    MemoryRaster made;
-    made.width = width;
-    made.height = height;
-    made.transform = transform;
-    made.crs = crs;
-    made.type = GDT_Float64;
-    made.noData = -9999.0;
-    made.values.clear();
-    for (int row = 0; row < height; ++row)
-        for (int column = 0; column < width; ++column)
-            made.values.push_back(heightAt(transform[0] + (column + 0.5) * transform[1],
-                                           transform[3] + (row + 0.5) * transform[5]));
-    return made.write();
-}
-
 double plane(double x, double y)
 {
     return 100.0 + 0.02 * (x - 500000.0) + 0.03 * (y - 4000000.0);
@@ -41,7 +21,7 @@ const std::vector<double> placeOfBase = {500000, 10, 0, 4000400, 0, -10};
 
 std::string base()
 {
-    return raster(30, 40, placeOfBase, plane);
+    return rasterOfPlaces(30, 40, placeOfBase, plane);
 }
 
 CompositeDem composed(const std::vector<std::string>& paths, int maxSide = 2048)
@@ -87,7 +67,7 @@ TEST(CompositeDem, ALaterLayerCoversAnEarlierOneButForItsVoids)
 {
     const auto inset = [](double x, double y)
     { return x > 500120.0 && x < 500140.0 && y > 4000150.0 && y < 4000170.0 ? -9999.0 : 800.0; };
-    const std::string over = raster(10, 10, {500100, 10, 0, 4000200, 0, -10}, inset);
+    const std::string over = rasterOfPlaces(10, 10, {500100, 10, 0, 4000200, 0, -10}, inset);
     const CompositeDem made = composed({base(), over});
     EXPECT_TRUE(made.leftOut.empty());
     ASSERT_EQ(made.tile->width(), 30);
@@ -108,7 +88,7 @@ TEST(CompositeDem, ALaterLayerCoversAnEarlierOneButForItsVoids)
 // Expected: rasters side by side make one terrain; between them and beyond them it is void.
 TEST(CompositeDem, SpansAllLayers)
 {
-    const std::string other = raster(20, 10, {500350, 10, 0, 4000500, 0, -10}, plane);
+    const std::string other = rasterOfPlaces(20, 10, {500350, 10, 0, 4000500, 0, -10}, plane);
     const CompositeDem made = composed({base(), other});
     ASSERT_EQ(made.tile->width(), 55);
     ASSERT_EQ(made.tile->height(), 50);
@@ -129,7 +109,7 @@ TEST(CompositeDem, SpansAllLayers)
 // half a post of the first layer's edge it is level.
 TEST(CompositeDem, TheDensestLayerSetsTheSpacing)
 {
-    const std::string fine = raster(40, 40, {500100, 2.5, 0, 4000200, 0, -2.5}, plane);
+    const std::string fine = rasterOfPlaces(40, 40, {500100, 2.5, 0, 4000200, 0, -2.5}, plane);
     const CompositeDem made = composed({base(), fine});
     ASSERT_EQ(made.tile->width(), 120);
     ASSERT_EQ(made.tile->height(), 160);
@@ -142,7 +122,7 @@ TEST(CompositeDem, TheDensestLayerSetsTheSpacing)
 // Expected: means of the cells; that of a plane is the plane in the middle of the cell.
 TEST(CompositeDem, HasAtMostSoManyPostsASide)
 {
-    const std::string fine = raster(80, 80, {500100, 1.25, 0, 4000200, 0, -1.25}, plane);
+    const std::string fine = rasterOfPlaces(80, 80, {500100, 1.25, 0, 4000200, 0, -1.25}, plane);
     const CompositeDem made = composed({base(), fine}, 20);
     EXPECT_EQ(made.tile->height(), 20);
     EXPECT_EQ(made.tile->width(), 15);
@@ -159,9 +139,10 @@ TEST(CompositeDem, ALayerOfAnotherCrsIsTakenToTheMapOfTheFirst)
     const auto toDegrees = transformation("EPSG:32633", "EPSG:4326");
     double west = 500000.0, south = 4000000.0;
     ASSERT_TRUE(toDegrees->Transform(1, &west, &south));
-    const std::string other = raster(80, 80, {west - 0.002, 0.0001, 0, south + 0.006, 0, -0.0001},
-                                     inDegrees, "EPSG:4326");
-    const std::string under = raster(30, 40, placeOfBase, [](double, double) { return 5.0; });
+    const std::string other = rasterOfPlaces(
+        80, 80, {west - 0.002, 0.0001, 0, south + 0.006, 0, -0.0001}, inDegrees, "EPSG:4326");
+    const std::string under =
+        rasterOfPlaces(30, 40, placeOfBase, [](double, double) { return 5.0; });
     const CompositeDem made = composed({under, other});
     EXPECT_TRUE(made.leftOut.empty());
     std::size_t seen = 0;
@@ -187,7 +168,7 @@ TEST(CompositeDem, ALayerOfAnotherCrsIsTakenToTheMapOfTheFirst)
 // Mercator at 60 degrees north is twice as wide as the ground.
 TEST(CompositeDem, OfEqualLayersIsWhatOneIs)
 {
-    const std::string path = raster(
+    const std::string path = rasterOfPlaces(
         50, 60, {1000000, 100000, 0, 9000000, 0, -100000},
         [](double x, double y) { return 1.0e-4 * x + 2.0e-4 * y; }, "EPSG:3857");
     const Result<DemFile> alone = readDem(path);
@@ -206,9 +187,9 @@ TEST(CompositeDem, OfEqualLayersIsWhatOneIs)
 // Expected: units and factors are each layer's own.
 TEST(CompositeDem, EachLayerIsReadInItsOwnWay)
 {
-    DemLayer feet{
-        raster(10, 10, {500100, 10, 0, 4000200, 0, -10}, [](double, double) { return 1000.0; }),
-        {}};
+    DemLayer feet{rasterOfPlaces(10, 10, {500100, 10, 0, 4000200, 0, -10},
+                                 [](double, double) { return 1000.0; }),
+                  {}};
     feet.read.heightUnit = "ft";
     feet.read.heightFactor = 2.0;
     const CompositeDem made = readComposite({{base(), {}}, feet}, 2048);
@@ -220,9 +201,9 @@ TEST(CompositeDem, EachLayerIsReadInItsOwnWay)
 // Expected: what cannot be read or placed is left out by its number, and the rest is as without it.
 TEST(CompositeDem, WhatCannotBeReadOrPlacedIsLeftOut)
 {
-    const std::string nowhere = raster(5, 5, {0, 1, 0, 5, 0, -1}, plane, "");
-    const std::string empty =
-        raster(5, 5, {600000, 10, 0, 4000200, 0, -10}, [](double, double) { return -9999.0; });
+    const std::string nowhere = rasterOfPlaces(5, 5, {0, 1, 0, 5, 0, -1}, plane, "");
+    const std::string empty = rasterOfPlaces(5, 5, {600000, 10, 0, 4000200, 0, -10},
+                                             [](double, double) { return -9999.0; });
     const CompositeDem made = composed({"/vsimem/no_such.tif", base(), nowhere, empty});
     ASSERT_EQ(made.leftOut.size(), 3u);
     EXPECT_EQ(made.leftOut[0].first, 0u);

@@ -14,29 +14,6 @@ namespace
 {
 constexpr int unlimited = 1 << 20;
 
-/// Heights by the map place of each pixel's middle; void where NaN.
-std::string raster(int width, int height, const std::vector<double>& transform,
-                   const std::function<double(double x, double y)>& heightAt,
-                   const std::string& crs = "EPSG:32633")
-{
-    MemoryRaster made;
-    made.width = width;
-    made.height = height;
-    made.transform = transform;
-    made.crs = crs;
-    made.type = GDT_Float64;
-    made.noData = -9999.0;
-    made.values.clear();
-    for (int row = 0; row < height; ++row)
-        for (int column = 0; column < width; ++column)
-        {
-            const double value = heightAt(transform[0] + (column + 0.5) * transform[1],
-                                          transform[3] + (row + 0.5) * transform[5]);
-            made.values.push_back(std::isnan(value) ? -9999.0 : value);
-        }
-    return made.write();
-}
-
 double hills(double x, double y)
 {
     return 500.0 + 80.0 * std::sin(x / 170.0) * std::cos(y / 130.0);
@@ -99,9 +76,9 @@ void expectSame(const std::vector<DemLayer>& layers, double tolerance, std::size
 // Tolerance: heights are floats above an origin, to 3e-5 m, in the layer and in the composite.
 TEST(CompositeRaster, HeightsAreThoseOfTheWholeInEitherOrder)
 {
-    const DemLayer base{raster(300, 300, placeOfBase, hills), {}};
-    const DemLayer fine{raster(310, 290, {502003, 10, 0, 4005007, 0, -10}, inset), {}};
-    const DemLayer beyond{raster(50, 60, {508000, 20, 0, 4001000, 0, -20}, plane), {}};
+    const DemLayer base{rasterOfPlaces(300, 300, placeOfBase, hills), {}};
+    const DemLayer fine{rasterOfPlaces(310, 290, {502003, 10, 0, 4005007, 0, -10}, inset), {}};
+    const DemLayer beyond{rasterOfPlaces(50, 60, {508000, 20, 0, 4001000, 0, -20}, plane), {}};
     expectSame({base, fine, beyond}, 1e-3);
     expectSame({fine, base, beyond}, 1e-3);
     expectSame({beyond, fine, base}, 1e-3);
@@ -110,8 +87,8 @@ TEST(CompositeRaster, HeightsAreThoseOfTheWholeInEitherOrder)
 // Expected: as the closed form of each layer says, and that the lake shows the layer below.
 TEST(CompositeRaster, VoidsFallThrough)
 {
-    const std::string base = raster(300, 300, placeOfBase, plane);
-    const std::string over = raster(100, 100, {503000, 30, 0, 4006000, 0, -30}, inset);
+    const std::string base = rasterOfPlaces(300, 300, placeOfBase, plane);
+    const std::string over = rasterOfPlaces(100, 100, {503000, 30, 0, 4006000, 0, -30}, inset);
     std::optional<CompositeRaster> large = openComposite({{base, {}}, {over, {}}}, 100);
     ASSERT_TRUE(large && large->source);
     const RasterFrame& frame = large->source->frame();
@@ -131,10 +108,10 @@ TEST(CompositeRaster, VoidsFallThrough)
 // Each layer is read by its own options.
 TEST(CompositeRaster, UnitsAndFactorsHold)
 {
-    DemLayer feet{raster(200, 100, {502000, 30, 0, 4006000, 0, -30}, inset), {}};
+    DemLayer feet{rasterOfPlaces(200, 100, {502000, 30, 0, 4006000, 0, -30}, inset), {}};
     feet.read.heightUnit = "ft";
     feet.read.heightFactor = 2.0;
-    expectSame({{raster(300, 300, placeOfBase, hills), {}}, feet}, 1e-3);
+    expectSame({{rasterOfPlaces(300, 300, placeOfBase, hills), {}}, feet}, 1e-3);
 }
 
 // Tolerance: rows of places are out by up to 0.01 of a pixel of 100 m, and the ground is at most
@@ -142,24 +119,24 @@ TEST(CompositeRaster, UnitsAndFactorsHold)
 TEST(CompositeRaster, LayersOfAnotherCrs)
 {
     const auto there = [](double x, double y) { return plane(x - 1000.0, y - 4000000.0); };
-    const DemLayer other{raster(60, 60, {-30000, 100, 0, 4028000, 0, -100}, there, "EPSG:32634"),
-                         {}};
-    expectSame({{raster(300, 300, placeOfBase, hills), {}}, other}, 0.1, 100);
+    const DemLayer other{
+        rasterOfPlaces(60, 60, {-30000, 100, 0, 4028000, 0, -100}, there, "EPSG:32634"), {}};
+    expectSame({{rasterOfPlaces(300, 300, placeOfBase, hills), {}}, other}, 0.1, 100);
     // Degrees: the map's scale differs within the raster. Tolerance: twice 0.01 of a pixel of 30 m
     // on hills that are as steep as 80 / 130 + 80 / 170.
     const auto degrees = [](double x, double y)
     { return 900.0 + 50.0 * std::sin(700.0 * (x + y)); };
     const DemLayer geographic{
-        raster(200, 200, {15.01, 0.0003, 0, 36.18, 0, -0.0003}, degrees, "EPSG:4326"), {}};
-    expectSame({geographic, {raster(300, 300, placeOfBase, hills), {}}}, 0.65, 100);
+        rasterOfPlaces(200, 200, {15.01, 0.0003, 0, 36.18, 0, -0.0003}, degrees, "EPSG:4326"), {}};
+    expectSame({geographic, {rasterOfPlaces(300, 300, placeOfBase, hills), {}}}, 0.65, 100);
 }
 
 // Expected: posts of a level are those of level 0 that stand there. On a plane the bilinear mean
 // of coarser posts is the plane, but for the outermost posts.
 TEST(CompositeRaster, CoarseLevelsHaveTheirPosts)
 {
-    const std::string west = raster(1500, 1500, {500000, 30, 0, 4045000, 0, -30}, plane);
-    const std::string east = raster(1500, 1500, {545000, 30, 0, 4045000, 0, -30}, plane);
+    const std::string west = rasterOfPlaces(1500, 1500, {500000, 30, 0, 4045000, 0, -30}, plane);
+    const std::string east = rasterOfPlaces(1500, 1500, {545000, 30, 0, 4045000, 0, -30}, plane);
     std::optional<CompositeRaster> large = openComposite({{west, {}}, {east, {}}}, 2048);
     ASSERT_TRUE(large && large->source);
     OverviewSource& source = *large->source;
@@ -185,10 +162,10 @@ TEST(CompositeRaster, CoarseLevelsHaveTheirPosts)
 
 TEST(CompositeRaster, WhatCannotBeReadIsLeftOutAsOfTheWhole)
 {
-    const DemLayer base{raster(300, 300, placeOfBase, hills), {}};
+    const DemLayer base{rasterOfPlaces(300, 300, placeOfBase, hills), {}};
     const DemLayer missing{"/vsimem/no_such.tif", {}};
-    const DemLayer noMap{raster(300, 300, placeOfBase, hills, ""), {}};
-    const DemLayer fine{raster(310, 290, {502003, 10, 0, 4005007, 0, -10}, inset), {}};
+    const DemLayer noMap{rasterOfPlaces(300, 300, placeOfBase, hills, ""), {}};
+    const DemLayer fine{rasterOfPlaces(310, 290, {502003, 10, 0, 4005007, 0, -10}, inset), {}};
     const std::vector<DemLayer> layers = {missing, base, noMap, fine};
     const std::optional<CompositeRaster> large = openComposite(layers, 100);
     const CompositeDem whole = readComposite(layers, unlimited);
@@ -207,7 +184,7 @@ TEST(CompositeRaster, WhatCannotBeReadIsLeftOutAsOfTheWhole)
 
 TEST(CompositeRaster, SmallLayersAreNotOpened)
 {
-    const DemLayer base{raster(30, 30, placeOfBase, hills), {}};
+    const DemLayer base{rasterOfPlaces(30, 30, placeOfBase, hills), {}};
     EXPECT_FALSE(openComposite({base, base}, 30));
     EXPECT_TRUE(openComposite({base, base}, 29));
     EXPECT_FALSE(openComposite({}, 100));

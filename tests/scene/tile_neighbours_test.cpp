@@ -1,11 +1,13 @@
 // Tiles of a host's osgTerrain scene light one another, as far as they are loaded.
 #include "scene/TileNeighbours.h"
 
+#include "core/MemorySource.h"
 #include "core/SyntheticTerrain.h"
 #include "lighting/TileWindows.h"
 #include "scene/TerrainTileReader.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
+#include "support/HardGround.h"
 #include "support/ScenePicture.h"
 #include "support/TestFolder.h"
 #include "support/Tiles.h"
@@ -38,7 +40,7 @@ constexpr double spacing = 10.0;
 /// A part of a terrain, with every `step`-th post.
 DemTile part(const DemTile& dem, int column, int row, int cells, int step = 1)
 {
-    DemTile tile(cells / step + 1, cells / step + 1, spacing * step);
+    DemTile tile(cells / step + 1, cells / step + 1, dem.northSpacing * step);
     for (int y = 0; y <= cells / step; ++y)
         for (int x = 0; x <= cells / step; ++x)
             tile.setHeight(x, y, dem.heightAt(column + x * step, row + y * step));
@@ -184,48 +186,69 @@ Pixels inOnePiece()
 }
 } // namespace
 
-// Expected: horizons of the terrain in one piece, within the bounds of windows on cliffs in
-// docs/methods/tiles.md (mean 0.0203 and p99 0.6 degrees), and much nearer than tiles alone.
+// Expected: horizons of the terrain in one piece, within what windows of all posts are wrong by in
+// 64 tiles of such ground (docs/methods/tiles.md, in the table's rows of 64 tiles: mean, p99), and
+// much nearer than tiles alone. No setting was tuned on these seeds.
 TEST(TileNeighbours, SeeWhatTheTerrainShowsInOnePiece)
 {
     using namespace osgTerrainLight::testing;
     OTL_NEED_GL(context);
-    const Result<DemTile> dem = generateTerrain(TerrainKind::Cliffs, 513, 513, spacing, 5);
-    ASSERT_TRUE(dem);
-    constexpr int cells = 64;
-    TileNeighbours neighbours;
-    for (int y = 0; y < 8; ++y)
-        for (int x = 0; x < 8; ++x)
-            neighbours.set(TileHandle::at(3, x, y),
-                           groundOf(part(*dem, x * cells, y * cells, cells), x * cells * spacing,
-                                    y * cells * spacing));
+    constexpr int cells = 64, whole = 8 * cells + 1;
+    const Result<DemTile> cliffs = generateTerrain(TerrainKind::Cliffs, whole, whole, spacing, 5);
+    ASSERT_TRUE(cliffs);
+    const struct
+    {
+        const char* name;
+        DemTile dem;
+    } grounds[] = {{"cliffs", *cliffs},
+                   {"town", hard::town(whole, 911)},
+                   {"open pit", hard::mine(whole, 912)},
+                   {"sinkholes", hard::sinkholes(whole, 913)}};
     const TileCase lit = underSky(8);
     const auto horizonsWith = [&](const osg::ref_ptr<TileLight>& light)
     {
         EXPECT_TRUE(light->update(context->state()));
         return horizonsOf(context->state(), *light);
     };
-    const std::vector<float> whole = horizonsWith(new TileLight(*dem, lit.settings, lit.sky));
-    for (const auto& [x, y] : {std::pair{0, 0}, {3, 4}})
+    for (const auto& ground : grounds)
     {
-        std::vector<float> here;
-        for (int row = y * cells; row <= (y + 1) * cells; ++row)
+        const double step = ground.dem.northSpacing;
+        TileNeighbours neighbours;
+        for (int y = 0; y < 8; ++y)
+            for (int x = 0; x < 8; ++x)
+                neighbours.set(TileHandle::at(3, x, y),
+                               groundOf(part(ground.dem, x * cells, y * cells, cells),
+                                        x * cells * step, y * cells * step, step));
+        const std::vector<float> all =
+            horizonsWith(new TileLight(ground.dem, lit.settings, lit.sky));
+        for (const auto& [x, y] : {std::pair{0, 0}, {3, 4}})
         {
-            const auto first = whole.begin() + 8 * (std::ptrdiff_t(row) * 513 + x * cells);
-            here.insert(here.end(), first, first + 8 * (cells + 1));
+            std::vector<float> here;
+            for (int row = y * cells; row <= (y + 1) * cells; ++row)
+            {
+                const auto first = all.begin() + 8 * (std::ptrdiff_t(row) * whole + x * cells);
+                here.insert(here.end(), first, first + 8 * (cells + 1));
+            }
+            const auto windows = neighbours.around(TileHandle::at(3, x, y), HorizonQuality::Normal);
+            ASSERT_TRUE(windows);
+            const Differences found =
+                differencesOf(here, horizonsWith(new TileLight(windows, lit.settings, lit.sky)));
+            const Differences alone = differencesOf(
+                here, horizonsWith(new TileLight(windows->tile, lit.settings, lit.sky)));
+            MemorySource source(ground.dem);
+            const auto exact = readWindows(source, 0, {x * cells, y * cells, cells + 1, cells + 1},
+                                           HorizonQuality::Normal);
+            ASSERT_TRUE(exact);
+            const Differences withAll =
+                differencesOf(here, horizonsWith(new TileLight(*exact, lit.settings, lit.sky)));
+            std::printf("%-9s tile %d/%d: horizons from those in one piece: mean %.4f, p99 %.3f, "
+                        "worst %.2f degrees; from all posts %.4f, %.3f, %.2f; alone %.4f, %.3f\n",
+                        ground.name, x, y, found.mean, found.p99, found.worst, withAll.mean,
+                        withAll.p99, withAll.worst, alone.mean, alone.p99);
+            EXPECT_LE(found.mean, 1.1 * withAll.mean + 0.003) << ground.name;
+            EXPECT_LE(found.p99, 1.1 * withAll.p99 + 0.003) << ground.name;
+            EXPECT_GT(alone.mean, 10.0 * found.mean) << ground.name;
         }
-        const auto windows = neighbours.around(TileHandle::at(3, x, y), HorizonQuality::Normal);
-        ASSERT_TRUE(windows);
-        const Differences found =
-            differencesOf(here, horizonsWith(new TileLight(windows, lit.settings, lit.sky)));
-        const Differences alone =
-            differencesOf(here, horizonsWith(new TileLight(windows->tile, lit.settings, lit.sky)));
-        std::printf("tile %d/%d: horizons from those in one piece: mean %.4f, p99 %.3f degrees; "
-                    "alone %.4f, %.3f\n",
-                    x, y, found.mean, found.p99, alone.mean, alone.p99);
-        EXPECT_LE(found.mean, 0.0203);
-        EXPECT_LE(found.p99, 0.6);
-        EXPECT_GT(alone.mean, 20.0 * found.mean);
     }
 }
 

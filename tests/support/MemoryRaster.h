@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <ogr_spatialref.h>
 
+#include <cmath>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -99,6 +101,30 @@ inline void addOverviews(const std::string& path, std::vector<int> factors)
     EXPECT_EQ(dataset->BuildOverviews("NEAREST", static_cast<int>(factors.size()), factors.data(),
                                       0, nullptr, nullptr, nullptr),
               CE_None);
+}
+
+/// A raster in memory whose heights are a function of the map place of each pixel's middle; void
+/// where that is NaN.
+inline std::string rasterOfPlaces(int width, int height, const std::vector<double>& transform,
+                                  const std::function<double(double x, double y)>& heightAt,
+                                  const std::string& crs = "EPSG:32633")
+{
+    MemoryRaster made;
+    made.width = width;
+    made.height = height;
+    made.transform = transform;
+    made.crs = crs;
+    made.type = GDT_Float64;
+    made.noData = -9999.0;
+    made.values.clear();
+    for (int row = 0; row < height; ++row)
+        for (int column = 0; column < width; ++column)
+        {
+            const double value = heightAt(transform[0] + (column + 0.5) * transform[1],
+                                          transform[3] + (row + 0.5) * transform[5]);
+            made.values.push_back(std::isnan(value) ? -9999.0 : value);
+        }
+    return made.write();
 }
 
 } // namespace osgTerrainLight
