@@ -5,6 +5,7 @@
 #include "support/GlContext.h"
 #include "support/ShaderFolder.h"
 
+#include <osg/GLObjects>
 #include <osg/Program>
 #include <osg/Shader>
 #include <osg/StateSet>
@@ -171,6 +172,54 @@ TEST_F(GpuPassTest, UniformsSetTwiceBetweenRunsHoldTheLastValue)
         run(*pass, state);
         EXPECT_EQ(readFloats(state, *fresh, 1)[0], i % 2 == 1 ? 3.0f : -1.0f);
     }
+}
+
+TEST_F(GpuPassTest, PassesOfAVariantShareAProgramAndNoValues)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    const auto result = createTarget(width, height, GL_R32F);
+    osg::ref_ptr<GpuPass> twice = makePass(ramp(10.0f), ramp(500.0f), result);
+    osg::ref_ptr<GpuPass> thrice = makePass(ramp(20.0f), ramp(0.0f), result);
+    thrice->set("gain", 3.0f);
+    run(*twice, state);
+    const auto program = [&state]
+    {
+        const auto shared = ComputeProgram::shared("test_combine", {});
+        EXPECT_TRUE(shared);
+        return (*shared)->program().getPCP(state)->getHandle();
+    };
+    const GLuint handle = program();
+    EXPECT_TRUE(state.get<osg::GLExtensions>()->glIsProgram(handle));
+    for (int i = 0; i < 2; ++i)
+    {
+        run(*thrice, state);
+        EXPECT_EQ(readFloats(state, *result, 1), expected(20.0f, 3.0f, 0.0f));
+        run(*twice, state);
+        EXPECT_EQ(readFloats(state, *result, 1), expected(10.0f, 2.0f, 500.0f));
+    }
+    EXPECT_EQ(program(), handle);
+
+    // A pass that goes takes nothing from the other one.
+    const auto flush = [&state]
+    {
+        double plenty = 10.0;
+        osg::flushDeletedGLObjects(state.getContextID(), 1.0e9, plenty);
+    };
+    twice->releaseGLObjects(&state);
+    flush();
+    EXPECT_EQ(program(), handle);
+    twice = nullptr;
+    run(*thrice, state);
+    EXPECT_EQ(readFloats(state, *result, 1), expected(20.0f, 3.0f, 0.0f));
+    EXPECT_EQ(program(), handle);
+
+    // The last one takes the program with it.
+    thrice->releaseGLObjects(&state);
+    flush();
+    EXPECT_FALSE(state.get<osg::GLExtensions>()->glIsProgram(handle));
+    run(*thrice, state);
+    EXPECT_EQ(readFloats(state, *result, 1), expected(20.0f, 3.0f, 0.0f));
 }
 
 TEST_F(GpuPassTest, NewTextureAtADeletedOnesAddressIsSeen)

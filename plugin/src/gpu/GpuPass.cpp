@@ -5,10 +5,8 @@
 
 #include <osg/BufferObject>
 #include <osg/GLExtensions>
-#include <osg/Shader>
 
 #include <algorithm>
-#include <regex>
 
 namespace osgTerrainLight
 {
@@ -18,12 +16,17 @@ GpuPass::GpuPass(std::string name, std::vector<std::string> defines)
 {
 }
 
+GpuPass::~GpuPass()
+{
+    dropProgram();
+}
+
 void GpuPass::setDefines(std::vector<std::string> defines)
 {
     if (defines == _defines)
         return;
     _defines = std::move(defines);
-    _program = nullptr;
+    dropProgram();
 }
 
 GpuPass::Input& GpuPass::input(const std::string& uniform)
@@ -124,55 +127,30 @@ unsigned GpuPass::groupsFor(int count, int size)
 /// Takes up the shader's text.
 Status GpuPass::compose()
 {
-    const ShaderLibrary& library = ShaderLibrary::instance();
-    const std::string file = "passes/" + _name + ".comp";
-    const long long revision = library.revision();
-    if (!_program || revision != _revision)
-    {
-        Result<ComposedShader> shader = library.compose(file, _defines);
-        if (!shader)
-            return shader.error();
-        _program = new osg::Program;
-        _program->setName(_name);
-        osg::ref_ptr<osg::Shader> compute = new osg::Shader(osg::Shader::COMPUTE, shader->text);
-        compute->setName(file);
-        _program->addShader(compute);
-        // The shader says its blocks' bindings; OSG warns of each that it is not told as well.
-        static const std::regex block(R"(layout\(std140, binding = (\d+)\)\s+uniform\s+(\w+))");
-        const std::string& text = shader->text;
-        for (std::sregex_iterator found(text.begin(), text.end(), block), none; found != none;
-             ++found)
-            _program->addBindUniformBlock((*found)[2],
-                                          static_cast<GLuint>(std::stoul((*found)[1])));
-        static const std::regex image(R"(readonly\s+uniform\s+\w*image\w+\s+(\w+);)");
-        _images.clear();
-        for (std::sregex_iterator found(text.begin(), text.end(), image), none; found != none;
-             ++found)
-            _images.insert((*found)[1]);
-        // Where it is defined, and where the shader uses it.
-        _knowsPieces = text.find("INVOCATION") != text.rfind("INVOCATION");
-        _parts = shader->parts;
-        _revision = revision;
-    }
+    if (_program && !_program->isOutdated())
+        return Nothing{};
+    Result<osg::ref_ptr<ComputeProgram>> program = ComputeProgram::shared(_name, _defines);
+    if (!program)
+        return program.error();
+    dropProgram();
+    _program = *program;
     return Nothing{};
 }
 
 Status GpuPass::link(osg::State& state)
 {
-    const osg::Program::PerContextProgram* linked = _program->getPCP(state);
-    if (linked->needsLink())
-        _program->compileGLObjects(state);
-    if (linked->isLinked())
-        return Nothing{};
+    if (_contexts.insert(state.getContextID()).second)
+        _program->addUser(state.getContextID());
+    return _program->link(state);
+}
 
-    std::string log;
-    _program->getShader(0)->getPCS(state)->getInfoLog(log);
-    if (log.empty())
-        _program->getGlProgramInfoLog(state.getContextID(), log);
-    log.erase(log.find_last_not_of(" \n\r\t") + 1);
-    const std::string file = "passes/" + _name + ".comp";
-    return Error{ErrorCode::Failed,
-                 "shader " + file + " does not compile: " + ComposedShader{{}, _parts}.mapLog(log)};
+/// In all contexts.
+void GpuPass::dropProgram()
+{
+    for (const unsigned context : _contexts)
+        _program->removeUser(context);
+    _contexts.clear();
+    _program = nullptr;
 }
 
 Status GpuPass::dispatch(osg::State& state, Groups groups)
@@ -188,14 +166,15 @@ Status GpuPass::dispatch(osg::State& state, Groups groups)
 
 bool GpuPass::isWhole() const
 {
-    return !_knowsPieces || std::any_of(_outputs.begin(), _outputs.end(),
-                                        [](const Output& output)
-                                        { return !output.resource || output.resource->isWhole(); });
+    return !_program->knowsPieces() ||
+           std::any_of(_outputs.begin(), _outputs.end(),
+                       [](const Output& output)
+                       { return !output.resource || output.resource->isWhole(); });
 }
 
 Status GpuPass::dispatch(osg::State& state, Groups first, Groups count)
 {
-    if (_knowsPieces)
+    if (_program->knowsPieces())
     {
         osg::Uniform& place = *_firstGroup;
         place.set(first.x, first.y, first.z);
@@ -226,11 +205,12 @@ Status GpuPass::dispatchResolved(osg::State& state, Groups groups)
             applyTexture(static_cast<unsigned>(unit), *_inputs[unit].texture);
 
     bindImages(state); // names units
-    _program->apply(state);
-    const osg::Program::PerContextProgram* linked = _program->getPCP(state);
+    osg::Program& program = _program->program();
+    program.apply(state);
+    const osg::Program::PerContextProgram* linked = program.getPCP(state);
     for (const auto& [name, uniform] : _uniforms)
         linked->apply(*uniform);
-    if (_knowsPieces)
+    if (_program->knowsPieces())
         linked->apply(*_firstGroup);
     for (const auto& [binding, block] : _blocks)
         block->apply(state);
@@ -263,7 +243,7 @@ void GpuPass::bindImages(osg::State& state)
         bind(unit++, *output.texture,
              output.access == Access::Write ? GL_WRITE_ONLY : GL_READ_WRITE);
     for (const Input& input : _inputs)
-        if (input.texture && _images.count(input.uniform) != 0)
+        if (input.texture && _program->imagesRead().count(input.uniform) != 0)
         {
             set(input.uniform, static_cast<int>(unit));
             bind(unit++, *input.texture, GL_READ_ONLY);
@@ -294,8 +274,14 @@ void GpuPass::leave(osg::State& state) const
 
 void GpuPass::releaseGLObjects(osg::State* state) const
 {
-    if (_program)
-        _program->releaseGLObjects(state);
+    for (auto context = _contexts.begin(); context != _contexts.end();)
+        if (!state || state->getContextID() == *context)
+        {
+            _program->removeUser(*context);
+            context = _contexts.erase(context);
+        }
+        else
+            ++context;
     for (const auto& [binding, block] : _blocks)
         block->getBufferData()->releaseGLObjects(state);
     for (const auto& [binding, storage] : _storage)
@@ -305,7 +291,7 @@ void GpuPass::releaseGLObjects(osg::State* state) const
 void GpuPass::resizeGLObjectBuffers(unsigned size)
 {
     if (_program)
-        _program->resizeGLObjectBuffers(size);
+        _program->program().resizeGLObjectBuffers(size);
     for (const auto& [binding, block] : _blocks)
         block->getBufferData()->resizeGLObjectBuffers(size);
     for (const auto& [binding, storage] : _storage)

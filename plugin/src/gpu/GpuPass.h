@@ -1,12 +1,11 @@
 #pragma once
 
 #include "core/Result.h"
+#include "gpu/ComputeProgram.h"
 #include "gpu/Resource.h"
-#include "gpu/ShaderLibrary.h"
 
 #include <osg/Array>
 #include <osg/BufferIndexBinding>
-#include <osg/Program>
 #include <osg/Referenced>
 #include <osg/State>
 #include <osg/Texture>
@@ -96,9 +95,10 @@ public:
     void resizeGLObjectBuffers(unsigned size);
 
 private:
-    ~GpuPass() override = default;
+    ~GpuPass() override;
     Status compose();
     Status link(osg::State& state);
+    void dropProgram();
     bool isWhole() const;
     void bindImages(osg::State& state);
     void leave(osg::State& state) const;
@@ -127,13 +127,10 @@ private:
     std::map<std::string, osg::ref_ptr<osg::Uniform>> _uniforms;
     std::map<unsigned, osg::ref_ptr<osg::UniformBufferBinding>> _blocks;
     std::map<unsigned, osg::ref_ptr<osg::ShaderStorageBufferBinding>> _storage;
-    osg::ref_ptr<osg::Program> _program;
-    std::vector<ComposedShader::Part> _parts;
-    std::set<std::string> _images; ///< that the shader reads only
-    bool _knowsPieces = false;     ///< the shader does
+    osg::ref_ptr<ComputeProgram> _program; ///< null before the first dispatch
+    mutable std::set<unsigned> _contexts;  ///< that this pass uses it in
     osg::ref_ptr<osg::Uniform> _firstGroup =
         new osg::Uniform(osg::Uniform::UNSIGNED_INT_VEC3, "firstGroup");
-    long long _revision = -1;
 };
 
 /// Copies the GPU's content of a storage buffer into its array, which stays as it was where no pass
