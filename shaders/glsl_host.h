@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/Raster.h"
+#include "core/Volume.h"
 
 #include <glm/glm.hpp>
 
@@ -39,11 +40,13 @@ struct Glsl
     using vec2 = glm::vec<2, Real>;
     using vec3 = glm::vec<3, Real>;
     using vec4 = glm::vec<4, Real>;
+    using uint = unsigned;
     using ivec2 = glm::ivec2;
     using ivec3 = glm::ivec3;
     using ivec4 = glm::ivec4;
     using sampler2D = const Raster<Real>&;
     using HeightMap = const Raster<Real>&;
+    using DistanceVolume = const Volume<Real>&;
 
     static vec4 texelFetch(sampler2D raster, ivec2 post, int)
     {
@@ -55,6 +58,20 @@ struct Glsl
         return ivec2(raster.width(), raster.height());
     }
 
+    /// Trilinear between voxels' centres, clamped to the edge.
+    static vec4 textureLod(DistanceVolume volume, vec3 place, Real)
+    {
+        const ivec3 size(volume.width(), volume.height(), volume.depth());
+        const vec3 voxel = glm::clamp(place * vec3(size) - Real(0.5), vec3(0), vec3(size - 1));
+        const ivec3 low = glm::min(ivec3(glm::floor(voxel)), glm::max(size - 2, 0));
+        const ivec3 high = glm::min(low + 1, size - 1);
+        const vec3 part = voxel - vec3(low);
+        const auto row = [&](int y, int z)
+        { return glm::mix(volume.at(low.x, y, z), volume.at(high.x, y, z), part.x); };
+        const auto slice = [&](int z) { return glm::mix(row(low.y, z), row(high.y, z), part.y); };
+        return vec4(glm::mix(slice(low.z), slice(high.z), part.z), Real(0), Real(0), Real(1));
+    }
+
     // Overloads of GLSL's built-ins for Real; glm's take its vectors.
     static Real abs(Real x) { return std::abs(x); }
     static Real sqrt(Real x) { return std::sqrt(x); }
@@ -63,7 +80,9 @@ struct Glsl
     static Real cos(Real x) { return std::cos(x); }
     static Real tan(Real x) { return std::tan(x); }
     static Real atan(Real x) { return std::atan(x); }
+    static Real acos(Real x) { return std::acos(x); }
     static Real exp(Real x) { return std::exp(x); }
+    static Real pow(Real x, Real y) { return std::pow(x, y); }
     static Real min(Real a, Real b) { return b < a ? b : a; }
     static Real max(Real a, Real b) { return a < b ? b : a; }
     static int min(int a, int b) { return b < a ? b : a; }
@@ -71,6 +90,8 @@ struct Glsl
     static Real clamp(Real x, Real a, Real b) { return min(max(x, a), b); }
     static Real mix(Real a, Real b, Real t) { return a + (b - a) * t; }
     static Real dot(const vec3& a, const vec3& b) { return glm::dot(a, b); }
+    static vec3 min(const vec3& a, const vec3& b) { return glm::min(a, b); }
+    static vec3 max(const vec3& a, const vec3& b) { return glm::max(a, b); }
     static Real dot(const vec4& a, const vec4& b) { return glm::dot(a, b); }
     static Real length(const vec3& a) { return glm::length(a); }
     static vec3 normalize(const vec3& a) { return glm::normalize(a); }

@@ -7,6 +7,7 @@
 #define Radiance float
 // Heights [m], R32F: software OpenGL reads an image in half the time of a texture.
 #define HeightMap readonly image2D
+#define DistanceVolume sampler3D
 #define GLSL_CONST const
 #define GLSL_ASSERT(condition)
 
