@@ -12,3 +12,4 @@
 #include "gather.glsl"
 #include "line_history.glsl"
 #include "environment.glsl"
+#include "distance.glsl"

@@ -59,9 +59,8 @@ TEST(DistanceGrid, ClampsBeyondItsCentres)
     EXPECT_EQ(one.distanceAt({0.3, -5.0, 7.0}), 4.0);
 }
 
-// Expected: the sum over all triangles. The groups' next term is of third order: with a group's
-// radius at most half of its distance, (1/2)³ of its share of the sphere; groups of opposite sides
-// cancel. 0.05 is a tenth of what would change a sign next to a closed part.
+// Expected: the sum over all triangles, to a tenth of the 0.5 that would change a sign next to a
+// closed part, and a quarter of the 0.2 that would call it ambiguous.
 TEST(WindingNumber, GroupsAgreeWithAllTriangles)
 {
     for (const TriangleMesh& mesh :
