@@ -40,17 +40,18 @@ private:
 };
 
 /// Distance of the nearest point of an ellipsoid's surface, found by looking: over a grid of both
-/// angles of an octant, and then over ever smaller grids about the best.
+/// angles of an octant, and then over grids about the best, smaller wherever that stays the best.
 double sought(const glm::dvec3& p, const glm::dvec3& radii)
 {
     const glm::dvec3 q = glm::abs(p);
     double bestTheta = pi / 4.0, bestPhi = pi / 4.0,
            least = std::numeric_limits<double>::infinity();
     double width = pi / 4.0;
-    for (int round = 0; round < 30; ++round)
+    bool isFirst = true;
+    while (width > 1e-8) // the distance is flat there: its error goes with the square
     {
         const double theta0 = bestTheta, phi0 = bestPhi;
-        const int steps = round == 0 ? 40 : 4;
+        const int steps = isFirst ? 40 : 2;
         for (int i = -steps; i <= steps; ++i)
             for (int j = -steps; j <= steps; ++j)
             {
@@ -67,7 +68,11 @@ double sought(const glm::dvec3& p, const glm::dvec3& radii)
                     bestPhi = phi;
                 }
             }
-        width *= round == 0 ? 0.1 : 0.6; // four steps of the first grid
+        if (isFirst)
+            width *= 0.1; // four steps of the first grid
+        else if (bestTheta == theta0 && bestPhi == phi0)
+            width *= 0.5;
+        isFirst = false;
     }
     const glm::dvec3 s = p / radii;
     return glm::dot(s, s) < 1.0 ? -least : least;
