@@ -158,7 +158,7 @@ TEST(EllipsoidDistance, IsWithinAThousandthOutside)
     {
         Points points;
         double outside = 0.0, inside = 0.0, above = 0.0;
-        for (int i = 0; i < 200; ++i)
+        for (int i = 0; i < 100; ++i)
         {
             glm::dvec3 p = points.next() * (i % 2 == 0 ? 1.0 : 0.25);
             if (i % 5 == 0)

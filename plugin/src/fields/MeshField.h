@@ -33,13 +33,13 @@ struct BakedField
     /// whole number, 0 … 1. It is 0 where all parts are closed.
     double ambiguousShare = 0.0;
 
-    /// Whether that share is at most leastBadShare. A field that is not well signed can be used:
-    /// its distances are right, but thin or broken parts may be taken as hollow.
-    bool isWellSigned() const { return ambiguousShare <= leastBadShare; }
+    /// Whether that share is at most greatestGoodShare. A field that is not well signed can be
+    /// used: its distances are right, but thin or broken parts may be taken as hollow.
+    bool isWellSigned() const { return ambiguousShare <= greatestGoodShare; }
 
-    /// A house without a floor stays below, and one with a fifth of its triangles flipped is far
-    /// above: docs/methods/object_fields.md has the figures.
-    static constexpr double leastBadShare = 0.25;
+    /// A house without a floor has 0.18, and one with a fifth of its triangles flipped 0.49:
+    /// docs/methods/object_fields.md has the figures.
+    static constexpr double greatestGoodShare = 0.25;
 };
 
 /// Samples the distance to a mesh, positive outside and negative inside, in the mesh's own frame
