@@ -1,5 +1,6 @@
 #include "fields/MeshField.h"
 
+#include "fields/Caps.h"
 #include "fields/Signs.h"
 #include "fields/Slices.h"
 #include "fields/SurfaceDistance.h"
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <new>
+#include <utility>
 
 namespace osgTerrainLight
 {
@@ -72,6 +74,19 @@ void measure(DistanceGrid& grid, const SurfaceDistance& surface, const Box& box,
             atMost = distance + step;
         }
 }
+
+/// Brings distances to what closes the holes, too. Without that they would jump from negative to
+/// positive in a hole.
+void measureCaps(DistanceGrid& grid, const SurfaceDistance& caps, int z)
+{
+    for (int y = 0; y < grid.size.y; ++y)
+        for (int x = 0; x < grid.size.x; ++x)
+        {
+            float& distance = grid.distances[grid.indexOf(x, y, z)];
+            const double size = caps.to(grid.centre(x, y, z), double(std::abs(distance)));
+            distance = std::copysign(static_cast<float>(size), distance);
+        }
+}
 } // namespace
 
 std::string BakeOptions::complaint() const
@@ -121,12 +136,22 @@ Result<BakedField> bakeMesh(const TriangleMesh& mesh, const BakeOptions& options
         field.grid = layOut(box, options);
         if (!forEachSlice(
                 field.grid.size.z, [&](int z) { measure(field.grid, **surface, box, z); },
-                told(0.0, 0.5)))
+                told(0.0, 0.4)))
             return givenUp;
         const auto report =
-            giveSigns(field.grid, WindingNumber(triangles), box.low, box.high, told(0.5, 1.0));
+            giveSigns(field.grid, WindingNumber(triangles), box.low, box.high, told(0.4, 0.9));
         if (!report)
             return givenUp;
+        if (std::vector<TriangleCorners> caps = capsOf(field.grid); !caps.empty())
+        {
+            const auto closing = SurfaceDistance::build(std::move(caps));
+            if (!closing)
+                return closing.error();
+            if (!forEachSlice(
+                    field.grid.size.z, [&](int z) { measureCaps(field.grid, **closing, z); },
+                    told(0.9, 1.0)))
+                return givenUp;
+        }
         if (report->nearVoxels > 0)
             field.ambiguousShare = double(report->ambiguousVoxels) / double(report->nearVoxels);
         return field;

@@ -43,12 +43,13 @@ struct BakedField
 };
 
 /// Samples the distance to a mesh, positive outside and negative inside, in the mesh's own frame
-/// and metres. The distance of a voxel is exact. Its sign is that of |w| < 1/2, where w is the
-/// generalised winding number: parts may overlap, and triangles may be missing. The absolute value
-/// makes a part solid that is mirrored, as a whole, by its placement. What lies outside of the
-/// mesh's box is outside. Uses all processors. Errors: Invalid for a mesh or options with a
-/// complaint and for a mesh whose triangles have no area, NotSupported where the library was built
-/// without Embree, Failed where the work was given up.
+/// and metres. The distance to its triangles is exact. Its sign is that of 1/2 - |w|, where w is
+/// the generalised winding number: parts may overlap, and triangles may be missing. The absolute
+/// value makes a part solid that is mirrored, as a whole, by its placement. Holes are closed where
+/// |w| is 1/2, to half a voxel. What lies outside of the mesh's box is outside. Uses all
+/// processors. Errors: Invalid for a mesh or options with a complaint and for a mesh whose
+/// triangles have no area, NotSupported where the library was built without Embree, Failed where
+/// the work was given up.
 Result<BakedField> bakeMesh(const TriangleMesh& mesh, const BakeOptions& options = {});
 
 } // namespace osgTerrainLight
