@@ -83,7 +83,7 @@ run_ctest()
 sanitize()
 {
   local programs=() folder labels
-  for folder in core io reference glsl; do
+  for folder in core io fields reference glsl; do
     ! compgen -G "tests/$folder/*_test.cpp" >/dev/null || programs+=("$folder")
   done
   [[ ${#programs[@]} -gt 0 ]] || return 0

@@ -12,4 +12,5 @@
 #include "gather.glsl"
 #include "line_history.glsl"
 #include "environment.glsl"
+#include "distance.glsl"
 #include "object_light.glsl"

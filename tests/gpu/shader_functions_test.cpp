@@ -711,3 +711,41 @@ TEST(ShaderFunctions, Pyramids)
         }
     }
 }
+
+// Sizes are below 8, and a distance has some 10 operations with up to 3 units each. Of the
+// ellipsoid the float build is within 16 roundings of its longest axis and of the distance, and
+// inside within 1e-4 of the least axis, where the root may be a pole (tests/glsl); divisions and
+// roots of a driver have 3 units for every one of those roundings.
+TEST(ShaderFunctions, Distances)
+{
+    OTL_NEED_GL(context);
+    G glsl;
+    std::mt19937 random(17);
+    std::uniform_real_distribution<float> place(-4.0f, 4.0f);
+    Raster<float> arguments(2048, 3);
+    for (int i = 0; i < arguments.width(); ++i)
+        for (int row = 0; row < 3; ++row)
+            arguments.at(i, row) = i % 7 == row ? 0.0f : place(random);
+    const Raster<float> found = evaluate(*context, R"(
+    vec3 p = vec3(arg(0), arg(1), arg(2));
+    put(0, boxDistance(p, vec3(1.5, 0.5, 2.25)));
+    put(1, cylinderDistance(p, 1.25, 2.5));
+    put(2, capsuleDistance(p, vec3(-1.0, 0.5, -2.0), vec3(1.5, 1.0, 1.0), 0.75));
+    put(3, ellipsoidDistance(p, vec3(3.0, 0.25, 1.0)));
+)",
+                                         arguments, 4);
+    for (int i = 0; i < arguments.width(); ++i)
+    {
+        const G::vec3 p(arguments.at(i, 0), arguments.at(i, 1), arguments.at(i, 2));
+        const float exact[] = {
+            glsl.boxDistance(p, G::vec3(1.5f, 0.5f, 2.25f)), glsl.cylinderDistance(p, 1.25f, 2.5f),
+            glsl.capsuleDistance(p, G::vec3(-1.0f, 0.5f, -2.0f), G::vec3(1.5f, 1.0f, 1.0f), 0.75f)};
+        for (int row = 0; row < 3; ++row)
+            EXPECT_NEAR(double(found.at(i, row)), double(exact[row]), 10.0 * 3.0 * 8.0 * ulp) << i;
+        const double ellipsoid = double(glsl.ellipsoidDistance(p, G::vec3(3.0f, 0.25f, 1.0f)));
+        EXPECT_NEAR(double(found.at(i, 3)), ellipsoid,
+                    16.0 * 3.0 * ulp * (3.0 + std::abs(ellipsoid)) +
+                        (ellipsoid < 0.0 ? 1e-4 * 0.25 : 0.0))
+            << i;
+    }
+}

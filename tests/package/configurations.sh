@@ -49,7 +49,7 @@ build subdirectory
 
 # Without Embree: the tool and all tests but those that trace paths, which are named.
 configure without-embree "$root" -DCMAKE_DISABLE_FIND_PACKAGE_embree=ON -DOSGTERRAINLIGHT_WERROR=ON
-for target in osgTerrainLight terrainlight core_tests glsl_tests gpu_tests tool_tests hard_cases_tests; do
+for target in osgTerrainLight terrainlight core_tests fields_tests glsl_tests gpu_tests tool_tests hard_cases_tests; do
   has without-embree "$target"
 done
 grep -q 'Tests left out, since they need Embree 3: .*path_tracer_test.cpp' "$work/without-embree.log" ||
