@@ -3,6 +3,9 @@
 #include <osg/GL>
 
 // Names that the headers of an older OpenGL lack.
+#ifndef GL_R8_SNORM
+#define GL_R8_SNORM 0x8F94
+#endif
 #ifndef GL_R16
 #define GL_R16 0x822A
 #endif

@@ -18,6 +18,8 @@ std::string nameOf(GLint format)
     {
     case 0:
         return "no format";
+    case GL_R8_SNORM:
+        return "R8_SNORM";
     case GL_R16:
         return "R16";
     case GL_R32F:
@@ -41,13 +43,14 @@ std::string nameOf(GLint format)
 bool TextureLayout::operator==(const TextureLayout& other) const
 {
     return width == other.width && height == other.height && layers == other.layers &&
-           format == other.format;
+           format == other.format && depth == other.depth;
 }
 
 std::string TextureLayout::text() const
 {
     return nameOf(format) + ' ' + std::to_string(width) + " x " + std::to_string(height) +
-           (layers > 0 ? " x " + std::to_string(layers) : "");
+           (layers > 0 ? " x " + std::to_string(layers) : "") +
+           (depth > 0 ? " x " + std::to_string(depth) : "");
 }
 
 Resource::Resource(std::string name, const TextureLayout& layout)
@@ -87,6 +90,9 @@ osg::Texture* Resource::make()
         return _texture;
     if (_content)
         _texture = _content();
+    else if (_layout.format != 0 && _layout.depth > 0)
+        _texture =
+            createVolumeTarget(_layout.width, _layout.height, _layout.depth, _layout.format);
     else if (_layout.format != 0 && _layout.layers > 0)
         _texture =
             createLayeredTarget(_layout.width, _layout.height, _layout.layers, _layout.format);

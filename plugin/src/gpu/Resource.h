@@ -19,6 +19,7 @@ struct TextureLayout
     int width = 0, height = 0; ///< [texels]
     int layers = 0;            ///< 0: not an array
     GLint format = 0;          ///< internal: GL_R32F, GL_RGBA16F, …
+    int depth = 0;             ///< slices; 0: not a volume
 
     bool operator==(const TextureLayout& other) const;
     bool operator!=(const TextureLayout& other) const { return !(*this == other); }

@@ -25,6 +25,8 @@ Format formatOf(GLint internalFormat)
 {
     switch (internalFormat)
     {
+    case GL_R8_SNORM:
+        return {internalFormat, GL_RED, GL_BYTE, 1};
     case GL_R16:
         return {internalFormat, GL_RED, GL_UNSIGNED_SHORT, 2};
     case GL_R32UI:

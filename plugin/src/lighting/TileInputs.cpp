@@ -58,7 +58,8 @@ TileInputs::TileInputs()
     : settingsValue(new Resource("settings")), light(new Resource("light")),
       skyValue(new Resource("sky")), sunPlace(new Resource("place of the sun")),
       keyPlaces(new Resource("places of key lights")), bouncesDue(new Resource("bounces due")),
-      probePlaces(new Resource("places of probes")), postsValue(new Resource("posts")),
+      probePlaces(new Resource("places of probes")),
+      objectsValue(new Resource("places of objects")), postsValue(new Resource("posts")),
       albedoTexture(new Resource("albedo", [this] { return createAlbedo(); })),
       materialTexture(new Resource("material", [this] { return createMaterial(); }))
 {

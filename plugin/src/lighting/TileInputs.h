@@ -5,6 +5,7 @@
 
 #include "core/Raster.h"
 #include "gpu/Resource.h"
+#include "lighting/TileObjects.h"
 #include "lighting/nodes/ProbePlace.h"
 
 #include <osg/Referenced>
@@ -46,6 +47,7 @@ struct TileValues
     std::shared_ptr<const Raster<std::array<float, 2>>> gloss;
     bool hasGloss = false; ///< some post's is not 0
     std::vector<ProbePlace> probes;
+    TileObjects objects;                      ///< on the tile, or near enough to change its light
     std::shared_ptr<const FarLight> farLight; ///< null: none
     osg::ref_ptr<osg::Texture2D> posts; ///< where heights come from; null: the tile's, for good
     bool ownsPosts = false;             ///< posts are not the host's texture
@@ -89,6 +91,7 @@ struct TileInputs : public osg::Referenced, public TileValues
     osg::ref_ptr<Resource> keyPlaces;
     osg::ref_ptr<Resource> bouncesDue; ///< where paced: bounces are to follow the light
     osg::ref_ptr<Resource> probePlaces;
+    osg::ref_ptr<Resource> objectsValue; ///< their places; what they are is in their volumes
     osg::ref_ptr<Resource> postsValue;
     osg::ref_ptr<Resource> albedoTexture;   ///< RGBA16F, a texel per post, or one for all
     osg::ref_ptr<Resource> materialTexture; ///< likewise, x gloss, y exponent

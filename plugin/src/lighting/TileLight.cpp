@@ -9,6 +9,7 @@
 #include "lighting/methods/Slices.h"
 #include "lighting/nodes/ComposeNode.h"
 #include "lighting/nodes/FrameHeightsNode.h"
+#include "lighting/nodes/ObjectFactorNode.h"
 #include "lighting/nodes/ProbeNode.h"
 
 #include <OpenThreads/ScopedLock>
@@ -61,7 +62,7 @@ TileLight::TileLight(const DemTile& tile, std::shared_ptr<const TileWindows> win
       _glossLight(new Resource("light of gloss",
                                {tile.width(), tile.height(), GlossWork::layers, GL_RGBA16F_ARB})),
       _edges(new Resource("edges on screen", {tile.width(), tile.height(), 0, GL_RGBA16F_ARB})),
-      _turn(nextTurn())
+      _factor(new Resource("light left by objects", {1, 1, 0, GL_RGBA16F_ARB})), _turn(nextTurn())
 {
     _latest.settings = settings;
     _latest.sky = sky;
@@ -147,6 +148,16 @@ bool TileLight::setProbes(std::vector<ProbePlace> probes)
     return true;
 }
 
+bool TileLight::setObjects(TileObjects objects)
+{
+    Lock lock(_mutex);
+    if (objects == _latest.objects)
+        return false;
+    _changes.objects = true;
+    _latest.objects = std::move(objects);
+    return true;
+}
+
 void TileLight::setHeights(const std::vector<float>& heights)
 {
     assert(heights.size() == _tile.postCount());
@@ -213,7 +224,14 @@ Status TileLight::apply()
         transportKey(before, width(), height()) != transportKey(*_inputs, width(), height());
     if (isOther)
         declareTransport();
-    if (isOther || before.probes.empty() != _inputs->probes.empty())
+    // The node reads the volumes that there are.
+    const bool isOtherVolume =
+        before.objects.size() != _inputs->objects.size() ||
+        !std::equal(before.objects.begin(), before.objects.end(), _inputs->objects.begin(),
+                    [](const TileObject& a, const TileObject& b) { return a.volume == b.volume; });
+    if (isOther || isOtherVolume)
+        _objectFactor = nullptr;
+    if (isOther || isOtherVolume || before.probes.empty() != _inputs->probes.empty())
         _declared = _graph.declare(nodes());
     if (recompute)
         _graph.forget(~0u);
@@ -238,6 +256,11 @@ void TileLight::followValues(Invalidation stale)
         now.postsValue->touch();
     if (_changes.probes)
         now.probePlaces->touch();
+    if (_changes.objects)
+    {
+        _factor->setLayout(ObjectFactorNode::layoutOf(now.objects));
+        now.objectsValue->touch();
+    }
     if (_changes.touched)
         now.settingsValue->touch();
     const bool isLitAnew = meets(stale, I::Light);
@@ -282,8 +305,10 @@ void TileLight::declareMethod()
     else
         _method = new Legendre(now, *_surface, _table);
     const bool forGround = _method->readsSkyTable();
-    _table->neededWhere([in = _inputs, forGround]
-                        { return in->hasSkyTable() && (forGround || !in->probes.empty()); });
+    _table->neededWhere(
+        [in = _inputs, forGround] {
+            return in->hasSkyTable() && (forGround || !in->probes.empty() || !in->objects.empty());
+        });
 }
 
 /// Makes the nodes of direct light and bounces.
@@ -322,6 +347,16 @@ WorkGraph::Nodes TileLight::nodes()
         _probe = new ProbeNode(*_inputs, *_surface, _shading, _table->picture());
     if (_probe)
         all.push_back(_probe);
+    if (_inputs->objects.empty())
+        _objectFactor = nullptr;
+    else if (!_objectFactor)
+    {
+        _objectFactor = new ObjectFactorNode(
+            *_inputs, *_surface, {_direct, _shading, _method->skyHorizon(), _table->picture()},
+            _factor);
+    }
+    if (_objectFactor)
+        all.push_back(_objectFactor);
     return all;
 }
 
@@ -352,7 +387,8 @@ void TileLight::rest()
     Lock computing(_computing);
     Lock lock(_mutex);
     if (_resting || _changes.any() || !_unfinished.empty() || _inputs->isGlossy() ||
-        _inputs->hasEdges() || !_inputs->probes.empty() || _inputs->posts.valid())
+        _inputs->hasEdges() || !_inputs->probes.empty() || !_inputs->objects.empty() ||
+        _inputs->posts.valid())
         return;
     // What is drawn stays: nodes own it.
     const osg::ref_ptr<osg::Texture> drawn = _shading->texture();
@@ -380,6 +416,18 @@ osg::ref_ptr<osg::Texture2DArray> TileLight::glossLight() const
 {
     Lock lock(_mutex);
     return _inputs->isGlossy() ? static_cast<osg::Texture2DArray*>(_glossLight->make()) : nullptr;
+}
+
+osg::ref_ptr<osg::Texture2D> TileLight::objectFactor() const
+{
+    Lock computing(_computing);
+    return _inputs->objects.empty() ? nullptr : static_cast<osg::Texture2D*>(_factor->make());
+}
+
+TileObjects TileLight::objects() const
+{
+    Lock computing(_computing);
+    return _inputs->objects;
 }
 
 osg::ref_ptr<osg::Texture2D> TileLight::shadowEdges() const

@@ -84,6 +84,10 @@ public:
     /// change.
     bool setProbes(std::vector<ProbePlace> probes);
 
+    /// Volumes of distances to placed objects that change the light of the ground. Whether that is
+    /// a change. What is in a volume may change at any time.
+    bool setObjects(TileObjects objects);
+
     /// Replaces all heights: width() x height() values [m above the tile's heightOrigin], row 0
     /// south. What is not finite or beyond 1e6 m is void. tile() keeps those it was made with.
     void setHeights(const std::vector<float>& heights);
@@ -127,6 +131,12 @@ public:
     /// update. Null where they are off or there is no sun.
     osg::ref_ptr<osg::Texture2D> shadowEdges() const;
 
+    /// RGBA16F, texels of TileObject: what objects leave of the light of the shading texture, and,
+    /// in a, of the visible fraction of the sun; as of the last update. Null where there are none.
+    osg::ref_ptr<osg::Texture2D> objectFactor() const;
+    /// What it is made for.
+    TileObjects objects() const;
+
     /// Read-back, all in tile order (row 0 south). Call after update().
     /// Of glossLight(), layer after layer, four values per post.
     std::vector<float> readGlossLight(osg::State& state) const;
@@ -165,11 +175,11 @@ private:
     struct Changes
     {
         bool settings = false, sky = false, albedo = false, gloss = false, probes = false,
-             posts = false, touched = false, recompute = false, farLight = false;
+             objects = false, posts = false, touched = false, recompute = false, farLight = false;
         bool any() const
         {
-            return settings || sky || albedo || gloss || probes || posts || touched || recompute ||
-                   farLight;
+            return settings || sky || albedo || gloss || probes || objects || posts || touched ||
+                   recompute || farLight;
         }
     };
 
@@ -191,8 +201,9 @@ private:
     osg::ref_ptr<SkyTableNode> _table;
     osg::ref_ptr<Method> _method;
     WorkGraph::Nodes _transport;
-    osg::ref_ptr<Node> _probe; ///< null where there are no probes
-    osg::ref_ptr<Resource> _shading, _glossLight, _edges;
+    osg::ref_ptr<Node> _probe;        ///< null where there are no probes
+    osg::ref_ptr<Node> _objectFactor; ///< null where there are no objects
+    osg::ref_ptr<Resource> _shading, _glossLight, _edges, _factor;
     osg::ref_ptr<Resource> _direct;               ///< light; the shading where there are no bounces
     std::vector<osg::ref_ptr<Resource>> _bounces; ///< light of each
     mutable WorkGraph _graph;

@@ -26,6 +26,9 @@ public:
     virtual std::vector<HorizonNode*> horizons() const { return {}; }
     /// Null where the method has none.
     virtual Resource* skyView() const { return nullptr; }
+    /// Horizons all around, elevation codes, layer k towards 2πk/m from east; null where the method
+    /// has none.
+    virtual Resource* skyHorizon() const { return nullptr; }
     virtual bool readsSkyTable() const = 0;
     /// Whether the light of its bounces may lie below 0, as that of cut series does.
     virtual bool mayUndershoot() const = 0;

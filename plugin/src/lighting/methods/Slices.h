@@ -23,6 +23,7 @@ public:
     WorkGraph::Nodes sources() const override;
     std::vector<HorizonNode*> horizons() const override;
     Resource* skyView() const override { return _sky->view(); }
+    Resource* skyHorizon() const override { return horizon(); }
     bool readsSkyTable() const override { return true; }
     bool mayUndershoot() const override { return _gloss.valid(); }
     void declareDirect(WorkGraph::Nodes& nodes, Resource* direct, int bounces,

@@ -1,0 +1,167 @@
+#include "lighting/nodes/ObjectVolumeNode.h"
+
+#include "fields/DistanceGrid.h"
+#include "gpu/GlConstants.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+
+constexpr int shapeVectors = 8; ///< vec4 per shape of object_volume.comp
+
+osg::Vec4f vector(const glm::dvec3& xyz, double w)
+{
+    return {static_cast<float>(xyz.x), static_cast<float>(xyz.y), static_cast<float>(xyz.z),
+            static_cast<float>(w)};
+}
+
+/// The bits of an integer where the shader reads one.
+float asFloat(int value)
+{
+    float bits;
+    static_assert(sizeof(bits) == sizeof(value));
+    std::memcpy(&bits, &value, sizeof(bits));
+    return bits;
+}
+
+} // namespace
+
+ObjectVolumeNode::ObjectVolumeNode(const ObjectCluster& cluster)
+    : Node("objects"), _cluster(cluster), _shapesValue(own(new Resource("shapes of objects"))),
+      _volume(own(new Resource("distances to objects", {cluster.voxels.x, cluster.voxels.y, 0,
+                                                        GL_R8_SNORM, cluster.voxels.z}))),
+      _pass(own(new GpuPass("object_volume")))
+{
+    // It is drawn with, and what has moved is seen in it as a whole.
+    _volume->keepWhole();
+    reads(_shapesValue);
+    writes(_volume);
+    _pass->writes(0, _volume);
+    _pass->set("voxel", static_cast<float>(cluster.voxel));
+    _pass->set("reach", static_cast<float>(cluster.voxel * ObjectCluster::reach));
+}
+
+void ObjectVolumeNode::set(const ObjectCluster& cluster)
+{
+    assert(_cluster.sameVolume(cluster));
+    if (_cluster.shapes != cluster.shapes)
+        _shapesValue->touch();
+    _cluster = cluster;
+}
+
+void ObjectVolumeNode::mark(Bricks& bricks, const ObjectShape& shape) const
+{
+    const ObjectBounds bounds = boundsOf(shape);
+    const double size = _cluster.voxel * ObjectCluster::brick;
+    const double reach = _cluster.voxel * ObjectCluster::reach;
+    const glm::ivec3 count = _cluster.voxels / ObjectCluster::brick;
+    glm::ivec3 first, last;
+    for (int axis = 0; axis < 3; ++axis)
+    {
+        const auto place = [&](double at)
+        {
+            return static_cast<int>(std::clamp(std::floor((at - _cluster.origin[axis]) / size),
+                                               -1.0, double(count[axis])));
+        };
+        first[axis] = std::max(place(bounds.low[axis] - reach), 0);
+        last[axis] = std::min(place(bounds.high[axis] + reach), count[axis] - 1);
+    }
+    for (int z = first.z; z <= last.z; ++z)
+        for (int y = first.y; y <= last.y; ++y)
+            for (int x = first.x; x <= last.x; ++x)
+                bricks[static_cast<std::size_t>(x + count.x * (y + count.y * z))] = true;
+}
+
+/// Gives the pass what the shader reads of the shapes.
+void ObjectVolumeNode::setShapes()
+{
+    if (_isSet && _shapesSet == _cluster.shapes)
+        return;
+    osg::ref_ptr<osg::Vec4Array> values = new osg::Vec4Array;
+    osg::ref_ptr<osg::FloatArray> distances = new osg::FloatArray;
+    std::map<const DistanceGrid*, int> places;
+    for (const ObjectShape& shape : _cluster.shapes)
+    {
+        const RigidShape own = rigid(shape);
+        const glm::dmat4 toOwn = own.fromScene * glm::translate(glm::dmat4(1.0), _cluster.origin);
+        for (int row = 0; row < 3; ++row)
+            values->push_back(vector({toOwn[0][row], toOwn[1][row], toOwn[2][row]}, toOwn[3][row]));
+        values->push_back(vector(own.size, static_cast<double>(shape.kind)));
+        const ObjectBounds bounds = boundsOf(shape);
+        values->push_back(vector(bounds.low - _cluster.origin, own.scale));
+        values->push_back(vector(bounds.high - _cluster.origin, 0.0));
+        if (!shape.grid)
+        {
+            values->push_back(osg::Vec4f());
+            values->push_back(osg::Vec4f());
+            continue;
+        }
+        const DistanceGrid& grid = *shape.grid;
+        const auto [place, isNew] = places.insert({&grid, static_cast<int>(distances->size())});
+        if (isNew)
+            distances->insert(distances->end(), grid.distances.begin(), grid.distances.end());
+        values->push_back(vector(glm::dvec3(grid.first), double(grid.spacing)));
+        values->push_back(osg::Vec4f(asFloat(grid.size.x), asFloat(grid.size.y),
+                                     asFloat(grid.size.z), asFloat(place->second)));
+    }
+    assert(values->size() == shapeVectors * _cluster.shapes.size());
+    if (values->empty())
+        values->resize(shapeVectors);
+    if (distances->empty())
+        distances->push_back(0.0f);
+    _pass->set("shapeCount", static_cast<int>(_cluster.shapes.size()));
+    _pass->setStorage(0, values);
+    _pass->setStorage(2, distances);
+    _shapesSet = _cluster.shapes;
+    _isSet = true;
+}
+
+Status ObjectVolumeNode::run(osg::State& state)
+{
+    const glm::ivec3 count = _cluster.voxels / ObjectCluster::brick;
+    const auto all = static_cast<std::size_t>(count.x * count.y * count.z);
+    Written& written = _written[state.getContextID()];
+    Bricks bricks = written.unfinished;
+    bricks.resize(all, !written.any);
+    const auto differs = [](const ObjectShape& shape, const std::vector<ObjectShape>& others)
+    { return std::find(others.begin(), others.end(), shape) == others.end(); };
+    if (written.any)
+    {
+        for (const ObjectShape& shape : written.shapes)
+            if (differs(shape, _cluster.shapes))
+                mark(bricks, shape);
+        for (const ObjectShape& shape : _cluster.shapes)
+            if (differs(shape, written.shapes))
+                mark(bricks, shape);
+    }
+    written = {_cluster.shapes, bricks, true};
+
+    osg::ref_ptr<osg::Vec4iArray> list = new osg::Vec4iArray;
+    for (int z = 0; z < count.z; ++z)
+        for (int y = 0; y < count.y; ++y)
+            for (int x = 0; x < count.x; ++x)
+                if (bricks[static_cast<std::size_t>(x + count.x * (y + count.y * z))])
+                    list->push_back(osg::Vec4i(x, y, z, 0));
+    _lastBricks = list->size();
+    if (!list->empty())
+    {
+        setShapes();
+        _pass->setStorage(1, list);
+        if (Status done = _pass->dispatch(state, {static_cast<unsigned>(list->size()), 1, 1});
+            !done)
+            return done;
+    }
+    written.unfinished.clear();
+    return Nothing{};
+}
+
+} // namespace osgTerrainLight

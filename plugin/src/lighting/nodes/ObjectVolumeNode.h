@@ -1,0 +1,53 @@
+#pragma once
+
+#include "fields/ObjectClusters.h"
+#include "gpu/WorkGraph.h"
+
+#include <map>
+#include <memory>
+#include <vector>
+
+namespace osgTerrainLight
+{
+
+/// Distances to the objects of a cluster in a volume on the GPU. Where some have moved, only the
+/// bricks of voxels are computed anew that they were or are within reach of.
+class ObjectVolumeNode : public Node
+{
+public:
+    explicit ObjectVolumeNode(const ObjectCluster& cluster);
+
+    /// Other shapes in the same volume. Precondition: cluster().sameVolume(cluster).
+    void set(const ObjectCluster& cluster);
+    const ObjectCluster& cluster() const { return _cluster; }
+
+    /// R8_SNORM: distance over ObjectCluster::reach voxels, −1 … 1; 1 where nothing is nearer.
+    Resource* volume() const { return _volume; }
+    /// Bricks that the last run computed.
+    std::size_t bricks() const { return _lastBricks; }
+
+    Status run(osg::State& state) override;
+
+private:
+    ~ObjectVolumeNode() override = default;
+    /// By brick, x fastest.
+    using Bricks = std::vector<bool>;
+    void mark(Bricks& bricks, const ObjectShape& shape) const;
+    void setShapes();
+
+    ObjectCluster _cluster;
+    Resource *_shapesValue, *_volume;
+    GpuPass* _pass;
+    struct Written
+    {
+        std::vector<ObjectShape> shapes; ///< of the last run
+        Bricks unfinished;               ///< of runs that have stopped; empty: none
+        bool any = false;
+    };
+    std::map<unsigned, Written> _written; ///< by context
+    std::vector<ObjectShape> _shapesSet;  ///< on the pass
+    bool _isSet = false;
+    std::size_t _lastBricks = 0;
+};
+
+} // namespace osgTerrainLight
