@@ -90,7 +90,8 @@ TEST_P(ViewerThreads, DrawWithoutErrors)
         outcome.output,
         "osgTerrainLight: the scene has several terrain tiles that touch no other one. Each of "
         "them is lit alone, so its shadows end at its edge. Tiles of osgTerrain whose edges "
-        "meet light one another; tiles of addTile() do not.\n");
+        "meet light one another, and so do tiles of addTile() that say where they lie on the "
+        "map.\n");
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -21,15 +21,21 @@ void Scheduler::add(LitTile* tile)
     _tiles.emplace_back(tile);
     touch();
     _alone += tile->isSurrounded() ? 0 : 1;
-    if (_alone >= 2 && !_saidAlone)
-    {
-        _saidAlone = true;
-        OSG_WARN
-            << "osgTerrainLight: the scene has several terrain tiles that touch no other one. "
-               "Each of them is lit alone, so its shadows end at its edge. Tiles of osgTerrain "
-               "whose edges meet light one another; tiles of addTile() do not."
-            << std::endl;
-    }
+    _updatesAlone = 0;
+}
+
+void Scheduler::tellAlone()
+{
+    Lock lock(_mutex);
+    _updatesAlone = _alone >= 2 ? _updatesAlone + 1 : 0;
+    if (_updatesAlone < updatesToTellAlone || _saidAlone)
+        return;
+    _saidAlone = true;
+    OSG_WARN << "osgTerrainLight: the scene has several terrain tiles that touch no other one. "
+                "Each of them is lit alone, so its shadows end at its edge. Tiles of osgTerrain "
+                "whose edges meet light one another, and so do tiles of addTile() that say where "
+                "they lie on the map."
+             << std::endl;
 }
 
 void Scheduler::remove(LitTile* tile)

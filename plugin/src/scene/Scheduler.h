@@ -28,6 +28,11 @@ public:
 
     void add(LitTile* tile);
     void remove(LitTile* tile);
+    /// Once per update: warns, once, where several tiles have been lit alone for a while in which
+    /// no tile came. Tiles that are still loading may touch them.
+    void tellAlone();
+    /// Half a second of frames, in which a loader that is at work brings another tile.
+    static constexpr int updatesToTellAlone = 30;
 
     void setSettings(const LightingSettings& settings);
     void setSky(const SkyLight& sky);
@@ -103,6 +108,7 @@ private:
     mutable std::mutex _mutex; ///< never held during a dispatch
     std::vector<osg::ref_ptr<LitTile>> _tiles;
     int _alone = 0;          ///< tiles that nothing surrounds
+    int _updatesAlone = 0;   ///< with several of them, since a tile came
     bool _saidAlone = false; ///< that tiles do not light one another
     std::map<unsigned, Context> _contexts;
     std::shared_ptr<const SceneLight> _light;

@@ -7,6 +7,7 @@
 #include "core/SettingsTable.h"
 #include "gpu/ShaderLibrary.h"
 #include "scene/ComputeNode.h"
+#include "scene/HostTiles.h"
 #include "scene/ProbeList.h"
 #include "scene/SceneUniforms.h"
 #include "scene/TerrainTiles.h"
@@ -15,6 +16,7 @@
 #include <osg/Notify>
 #include <osgUtil/CullVisitor>
 
+#include <cmath>
 #include <set>
 
 namespace osgTerrainLight
@@ -47,7 +49,7 @@ struct TerrainLighting::Implementation
     explicit Implementation(TerrainLighting& node)
         : owner(node), scheduler(new Scheduler), programs(new TilePrograms),
           compute(new ComputeNode(scheduler)), binder(scheduler, programs),
-          terrain(registry, binder, scheduler)
+          terrain(registry, binder, scheduler), placed(registry, binder, terrain.fades, scheduler)
     {
     }
 
@@ -97,6 +99,7 @@ struct TerrainLighting::Implementation
     TileRegistry registry;
     TileBinder binder;
     TerrainTiles terrain;
+    HostTiles placed; ///< those of a host whose place on the map is known
     TileFinder finder;
     ProbeList probes;
     SceneUniforms uniforms; ///< on all below
@@ -114,6 +117,8 @@ void TerrainLighting::Implementation::update(unsigned updatesBelow, const osg::F
     finder.follow(owner, terrain);
     terrain.albedoNeeded = settings.bounces > 0 || !probes.empty();
     terrain.update(finder, updatesBelow);
+    placed.update();
+    scheduler->tellAlone();
     for (SceneTile* tile : registry.dynamic())
         binder.followHeights(*tile);
     if (textureRevision != scheduler->textureRevision())
@@ -441,7 +446,10 @@ TileHandle TerrainLighting::addTile(const DemTile& dem, osg::StateSet* stateSet,
         return {};
     }
     SceneTile& tile = here.registry.add(name ? name : here.registry.next());
-    here.binder.bindHost(tile, dem, stateSet, coordinates, program);
+    if (const std::optional<PlacedGround> ground = HostTiles::placeOf(dem, name))
+        here.placed.add(tile, *ground, stateSet, coordinates, program);
+    else
+        here.binder.bindHost(tile, dem, stateSet, coordinates, program);
     here.registry.take(tile);
     return tile.handle;
 }
@@ -480,6 +488,11 @@ bool TerrainLighting::setTileHeights(const TileHandle& handle, const std::vector
              "height per post");
         return false;
     }
+    if (tile->host)
+    {
+        _implementation->placed.setHeights(*tile, heights);
+        return true;
+    }
     tile->lit->lighting().setHeights(heights);
     _implementation->scheduler->touch();
     return true;
@@ -494,7 +507,9 @@ bool TerrainLighting::setTileAlbedo(const TileHandle& handle, const std::vector<
              "post");
         return false;
     }
-    tile->lit->lighting().setAlbedo(rasterOf(*tile, albedo));
+    if (tile->host)
+        tile->host->albedo = albedo;
+    tile->lit->lighting().setAlbedo(tile->lit->withMargin(rasterOf(*tile, albedo)));
     _implementation->scheduler->touch();
     return true;
 }
@@ -514,7 +529,9 @@ bool TerrainLighting::setTileGloss(const TileHandle& handle,
         return false;
     }
     tile->hasGloss = !gloss.empty();
-    tile->lit->lighting().setGloss(rasterOf(*tile, gloss));
+    if (tile->host)
+        tile->host->gloss = gloss;
+    tile->lit->lighting().setGloss(tile->lit->withMargin(rasterOf(*tile, gloss)));
     here.scheduler->touch();
     here.tellProblems();
     return true;
@@ -525,10 +542,37 @@ bool TerrainLighting::removeTile(const TileHandle& handle)
     SceneTile* tile = _implementation->hosts(handle);
     if (!tile)
         return false;
+    if (tile->host)
+        _implementation->placed.remove(*tile);
     _implementation->registry.untake(*tile);
     _implementation->binder.release(*tile);
     _implementation->registry.remove(handle);
     return true;
+}
+
+bool TerrainLighting::setSurroundings(const Surroundings& surroundings)
+{
+    if (const std::string problem = surroundings.complaint(); !problem.empty())
+    {
+        warn("surroundings not set: " + problem);
+        return false;
+    }
+    _implementation->placed.setSurroundings(surroundings);
+    return true;
+}
+
+void TerrainLighting::removeSurroundings()
+{
+    _implementation->placed.setSurroundings({});
+}
+
+void TerrainLighting::surroundingsChanged(double west, double south, double east, double north,
+                                          double highest)
+{
+    if (west <= east && south <= north && !std::isnan(highest))
+        _implementation->placed.changeSurroundings(west, south, east, north, highest);
+    else
+        warn("change of surroundings not taken: needs west <= east, south <= north and a height");
 }
 
 TileHandle TerrainLighting::getTileHandle(osgTerrain::TerrainTile* tile)

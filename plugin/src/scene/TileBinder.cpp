@@ -38,6 +38,26 @@ void TileBinder::bindHost(SceneTile& tile, const DemTile& dem, osg::StateSet* st
     bind(tile, stateSet, coordinates, programOf(tile, program));
 }
 
+void TileBinder::bindPlaced(SceneTile& tile, const std::shared_ptr<const TileWindows>& windows)
+{
+    const HostGround& host = *tile.host;
+    takeFrom(host.stateSet);
+    const std::shared_ptr<const SceneLight> now = _scheduler->light();
+    light(tile, windows ? new LitTile("added tile", windows, now)
+                        : new LitTile("added tile", *host.ground.patch.dem, now));
+    ShadingCoordinates onLit = host.coordinates;
+    onLit.toTile = host.coordinates.toTile * tile.lit->fromDrawn();
+    bind(tile, host.stateSet, onLit, programOf(tile, host.program));
+}
+
+void TileBinder::bindWaiting(SceneTile& tile)
+{
+    const HostGround& host = *tile.host;
+    takeFrom(host.stateSet);
+    tile.lit = new LitTile("added tile", *host.ground.patch.dem, _scheduler->light());
+    bind(tile, host.stateSet, host.coordinates, programOf(tile, host.program));
+}
+
 void TileBinder::bindDynamic(SceneTile& tile, DynamicTerrain& terrain)
 {
     osg::StateSet* stateSet = terrain.getOrCreateStateSet();

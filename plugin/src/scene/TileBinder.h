@@ -28,6 +28,10 @@ public:
     /// A host's terrain. Precondition: its StateSet has no tile.
     void bindHost(SceneTile& tile, const DemTile& dem, osg::StateSet* stateSet,
                   const ShadingCoordinates& coordinates, bool program);
+    /// A host's terrain with its place, and with what surrounds it; null: it is lit alone.
+    void bindPlaced(SceneTile& tile, const std::shared_ptr<const TileWindows>& windows);
+    /// The same before that is known: nothing is computed yet.
+    void bindWaiting(SceneTile& tile);
     void bindDynamic(SceneTile& tile, DynamicTerrain& terrain);
     /// A terrain tile that was found.
     void bindTerrain(SceneTile& tile, const TerrainHeights& heights, const std::string& name,
