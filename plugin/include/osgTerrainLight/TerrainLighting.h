@@ -157,9 +157,10 @@ public:
     /// metres count as ever. Tiles are of one map where their `crs` is the same text.
     ///
     /// Placed is a tile that has a CRS, or a name with a level, and whose map coordinates are not
-    /// all left at DemTile's defaults, origin (0, 0) and steps of 1; steps are > 0. All other tiles
-    /// are lit alone. A placed tile is lit from the next update on, and several of them within the
-    /// time budget.
+    /// all left at DemTile's defaults, origin (0, 0) and steps of 1; steps are > 0. The defaults
+    /// count where spacings are 1 m and the tile has a CRS, or x and y of its name are 0. All other
+    /// tiles are lit alone. A placed tile is lit from the next update on, and several of them
+    /// within the time budget.
     TileHandle addTile(const DemTile& tile, osg::StateSet* stateSet,
                        const ShadingCoordinates& coordinates = {}, bool program = false,
                        const TileHandle& name = {});

@@ -109,7 +109,12 @@ void bring(SceneTile& tile)
 std::optional<PlacedGround> HostTiles::placeOf(const DemTile& dem, const TileHandle& name)
 {
     const DemTile unplaced;
-    const bool isSet = dem.mapOriginX != unplaced.mapOriginX ||
+    // A tile with a post per metre may lie there. That of a host that sets no coordinates is then
+    // the only one on its map.
+    const bool mayBeThere = dem.eastSpacings == unplaced.eastSpacings &&
+                            dem.northSpacing == unplaced.northSpacing &&
+                            (!dem.crs.empty() || (name.x == 0 && name.y == 0));
+    const bool isSet = mayBeThere || dem.mapOriginX != unplaced.mapOriginX ||
                        dem.mapOriginY != unplaced.mapOriginY || dem.mapStepX != unplaced.mapStepX ||
                        dem.mapStepY != unplaced.mapStepY;
     if (!isSet || (dem.crs.empty() && name.level < 0) || dem.width() < 2 || dem.height() < 2 ||
