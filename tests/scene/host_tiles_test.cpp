@@ -470,7 +470,7 @@ TEST(HostTiles, KeepWhatTheirHostHasSet)
 
 // Expected: a function that fails is told of once, whatever it does and however often, and the
 // tile is then lit as with surroundings that are void.
-TEST(Surroundings, ThatFailAreVoid)
+TEST(HostSurroundings, ThatFailAreVoid)
 {
     OTL_NEED_GL(context);
     const tiles::TileCase lit = tiles::inTheAfternoon(8, 0);
@@ -515,7 +515,7 @@ TEST(Surroundings, ThatFailAreVoid)
 }
 
 // Expected: what is wrong is refused with a reason, and changes nothing.
-TEST(Surroundings, ThatAreWrongAreRefused)
+TEST(HostSurroundings, ThatAreWrongAreRefused)
 {
     const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 8);
     const Surroundings right = surroundingsOf(country());
@@ -541,7 +541,7 @@ TEST(Surroundings, ThatAreWrongAreRefused)
 // Expected, on level ground: a change whose greatest height is known lights the tiles within 128
 // posts of it again, one of unknown height all; new surroundings, and none any more, all of their
 // map. Tiles that are lit alone by themselves are lit by the surroundings.
-TEST(Surroundings, ThatChangeLightTilesInReachAgain)
+TEST(HostSurroundings, ThatChangeLightTilesInReachAgain)
 {
     OTL_NEED_GL(context);
     Host host(tiles::inTheAfternoon(8, 0));
@@ -579,4 +579,59 @@ TEST(Surroundings, ThatChangeLightTilesInReachAgain)
     around.crs = "EPSG:32632";
     EXPECT_TRUE(host.lighting->setSurroundings(around));
     EXPECT_TRUE(again().empty()) << "of another map";
+}
+
+// Expected: with no time to speak of, one tile whose surroundings are read per update, the others
+// wait and are not lit alone meanwhile; in the end the same light as at once.
+TEST(HostTiles, AreReadWithinTheBudget)
+{
+    OTL_NEED_GL(context);
+    const tiles::TileCase lit = tiles::inTheAfternoon(8, 0);
+    Host atOnce(lit), slowly(lit);
+    addRow(atOnce, 6);
+    addRow(slowly, 6);
+    atOnce.settle();
+    slowly.lighting->setTimeBudget(1.0e-6);
+    slowly.litAgain();
+    for (int frame = 1; frame <= 6; ++frame)
+    {
+        slowly.picture.draw();
+        EXPECT_EQ(slowly.litAgain().size(), 1u) << frame;
+    }
+    slowly.lighting->setTimeBudget(0.0);
+    slowly.settle();
+    for (int i = 0; i < 6; ++i)
+    {
+        const std::vector<float> expected = atOnce.shading(TileHandle::at(0, i, 0));
+        EXPECT_EQ(slowly.shading(TileHandle::at(0, i, 0)), expected) << i;
+    }
+}
+
+// Expected: a tile that is lit again keeps its former light until its new one is there, and none
+// of its StateSet's state stays once it is removed, whatever it was doing.
+TEST(HostTiles, LeaveTheirStateSetAsItWas)
+{
+    OTL_NEED_GL(context);
+    Host host(tiles::inTheAfternoon(8, 1));
+    host.lighting->setFadeSeconds(0.5);
+    const osg::ref_ptr<osg::StateSet> stateSet = new osg::StateSet;
+    const osg::ref_ptr<osg::StateSet> before = new osg::StateSet;
+    const DemTile tile = part(country(), 64, 32, 32);
+    for (int frames = 0; frames < 6; ++frames)
+    {
+        const TileHandle handle =
+            host.lighting->addTile(tile, stateSet, {}, true, TileHandle::at(2, 2, 1));
+        EXPECT_TRUE(stateSet->getTextureAttribute(host.lighting->getTextureUnit(),
+                                                  osg::StateAttribute::TEXTURE));
+        host.picture.draw(frames);
+        host.add(part(country(), 32, 32, 32), TileHandle::at(2, 1, 1));
+        host.picture.draw(frames);
+        EXPECT_TRUE(host.lighting->setTileHeights(handle, tile.heights()));
+        EXPECT_TRUE(host.lighting->removeTile(handle));
+        host.remove(TileHandle::at(2, 1, 1));
+        host.picture.draw(4);
+        EXPECT_EQ(stateSet->compare(*before, true), 0) << frames;
+    }
+    EXPECT_EQ(host.lighting->getTileHandles().size(), 0u);
+    EXPECT_EQ(takeGlErrors(), "");
 }

@@ -36,7 +36,7 @@ struct OSGTERRAINLIGHT_EXPORT Surroundings
     ///
     /// It is called in the update traversal, on its thread, several times for each tile that is
     /// lit: for posts at the tile's own spacing near it, and for coarser ones, of which each stands
-    /// for the ground around it, farther away. For a tile of 257 × 257 posts these are about a
+    /// for the ground around it, farther away. For a tile of 257 × 257 posts these are one to two
     /// million posts per level of doubled spacing. It must not call the lighting. Where it throws,
     /// or returns another number of heights than the grid has posts, these posts are void, and one
     /// warning says so.
