@@ -108,7 +108,8 @@ public:
     /// Sets how long the light of an osgTerrain tile takes to fade in [s], 0 … 3600. The default is
     /// 0.5; 0 shows new light as soon as it is there. A tile that is lit anew keeps the light that
     /// it had, and a new tile below a lit one (by level, x and y of its TileID) has the light of
-    /// that, until its own has been computed; then it fades. Other tiles are lit at once. The
+    /// that, until its own has been computed; then it fades. A placed tile of addTile() that is
+    /// lit anew fades too. Other tiles are lit at once. The
     /// frames' simulation time counts, or their reference time where that stands still. Changes of
     /// the sun, the sky and the settings are shown at once. Other values are refused with a
     /// warning.
