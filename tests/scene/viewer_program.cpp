@@ -284,9 +284,10 @@ void Windows::bindAndRelease(osg::Geometry& host, osgTerrain::TerrainTile& tile)
         if (!first && i % 6 == 0)
             expect(_lighting->addTile(next, beside, {}, false, nextName).valid(), "tile beside");
         if (!first && i % 6 == 2)
-            expect(_lighting->setTileHeights(nextName, std::vector<float>(_cone.postCount(), i)),
+            expect(_lighting->setTileHeights(
+                       nextName, std::vector<float>(_cone.postCount(), static_cast<float>(i))),
                    "tile beside edited");
-        if (!first && i % 6 == 5)
+        if (i > 42 && i % 6 == 5)
             expect(_lighting->removeTile(nextName), "tile beside removed");
         expect(added.valid(), "tile added");
         tile.getElevationLayer()->dirty();
