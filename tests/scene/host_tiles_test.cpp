@@ -261,7 +261,9 @@ TEST(HostTiles, AreLitAsOnePiece)
             EXPECT_LE(found.p99, 1.1 * withAll.p99 + 0.001) << ground.name;
             EXPECT_GT(alone.mean, 5.0 * found.mean) << ground.name;
             if (x == 1)
+            {
                 EXPECT_EQ(outside.shading(only), ours) << ground.name << ", by a function";
+            }
         }
     }
     EXPECT_EQ(takeGlErrors(), "");
