@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 
 PLAIN_VALUES = {"DemTile.h", "Environment.h", "Export.h", "HorizonMap.h", "LightingSettings.h", "SkyLight.h",
-                "SunPosition.h", "TileHandle.h", "Viewpoint.h"}
+                "SunPosition.h", "Surroundings.h", "TileHandle.h", "Viewpoint.h"}
 MAY_USE_OSG = {"DynamicTerrain.h", "LightProbe.h", "LightingHandler.h", "HeadlessContext.h", "TerrainLighting.h", "PlacedObject.h", "ShadingTexture.h"}
 
 # Package -> what its files may include: packages of ours (`values` are the public headers of plain

@@ -21,6 +21,14 @@ uniform mat4 osgTerrainLight_formerMatrix;     // from the tile's texture coordi
 uniform sampler2D osgTerrainLight_formerEdges; // as osgTerrainLight_edges
 uniform vec2 osgTerrainLight_formerPosts;      // texels of them; 0 where there are none
 
+// What placed objects leave of the light, in texels of its own around each cluster of them.
+uniform int osgTerrainLight_objectCount; // of clusters on the tile, 0 ... 8
+// RGBA16F: of rgb, and of the visible sun; the clusters stand one below the other
+uniform sampler2D osgTerrainLight_objects;
+// from the tile's texture coordinates to its own: scale, offset; and the corners they must be in
+uniform vec4 osgTerrainLight_objectPlaces[8];
+uniform vec4 osgTerrainLight_objectCorners[8];
+
 // source: vec4 of what the tile was bound with, the vertex position or the tile coordinates, which
 // run from (0, 0) at the south-western post to (1, 1) at the north-eastern one. Affine: may be
 // computed per vertex.
@@ -109,14 +117,34 @@ vec4 terrainFormerShading(vec2 coordinate)
                                                     osgTerrainLight_formerPosts, place));
 }
 
+// What objects leave of the light: 1 where there are none.
+vec4 terrainObjects(vec2 coordinate)
+{
+    vec4 left = vec4(1.0);
+    for (int i = 0; i < osgTerrainLight_objectCount; ++i)
+    {
+        vec4 toOwn = osgTerrainLight_objectPlaces[i];
+        vec4 corners = osgTerrainLight_objectCorners[i];
+        vec2 place = coordinate * toOwn.xy + toOwn.zw;
+        if (place.x > corners.x && place.y > corners.y && place.x < corners.z &&
+            place.y < corners.w)
+            left *= terrainTexel(osgTerrainLight_objects, place);
+    }
+    return left;
+}
+
 // Scene-linear. Bilinear between posts, but for the edge of the sun's shadow where it is on.
 vec4 terrainShading(vec2 coordinate)
 {
-    if (osgTerrainLight_formerPart <= 0.0)
-        return terrainOwnShading(coordinate);
-    vec4 former = terrainFormerShading(coordinate);
+    vec4 shading = vec4(0.0);
     // Light that is not computed yet may be anything, NaN too.
+    if (osgTerrainLight_formerPart < 1.0)
+        shading = terrainOwnShading(coordinate);
     if (osgTerrainLight_formerPart >= 1.0)
-        return former;
-    return mix(terrainOwnShading(coordinate), former, osgTerrainLight_formerPart);
+        shading = terrainFormerShading(coordinate);
+    else if (osgTerrainLight_formerPart > 0.0)
+        shading = mix(shading, terrainFormerShading(coordinate), osgTerrainLight_formerPart);
+    if (osgTerrainLight_objectCount > 0)
+        shading *= terrainObjects(coordinate);
+    return shading;
 }

@@ -41,12 +41,6 @@ layout(std430, binding = 0) readonly buffer Around
 {
     uint around[];
 };
-#ifdef SUN_AMONG_OBJECTS
-uniform vec3 sunDirection; // unit, x east, y north, z up
-uniform float sunSine;     // of its radius
-uniform vec3 sunIrradiance; // on a surface that faces the sun
-#endif
-
 vec3 normalAt(vec2 place)
 {
     vec2 low = clamp(floor(place), vec2(0.0), vec2(max(size - 2, 0)));
@@ -122,7 +116,8 @@ void main()
     {
         axes[i] = vec4(aboutNormal(cones[i].xyz, normal), cones[i].w);
         near[i] = around[i];
-        aboveHorizon[i] = coneAboveHorizon(axes[i].xyz, axes[i].w, horizonSlope(place, axes[i].xyz));
+        aboveHorizon[i] =
+            coneAboveHorizon(axes[i].xyz, axes[i].w, horizonSlope(place, axes[i].xyz));
         weights[i] = 1.0;
     }
     ConesOpen seen = conesAmongObjects(volume, field, at, normal, axes, near, weights, count,
@@ -151,7 +146,7 @@ void main()
     float facing = dot(normal, sunDirection);
     sun = min(sunIrradiance * (light.a * max(facing, 0.0) / PI), light.rgb);
     if (facing > 0.0)
-        ofSun = discAmongObjects(volume, field, at, normal, sunDirection, sunSine);
+        ofSun = discAmongObjects(volume, field, at, normal, sunDirection, sin(sunRadius));
 #endif
     vec3 fromSky = max(light.rgb - sun, vec3(0.0));
     vec3 all = fromSky + sun + bounced;

@@ -11,6 +11,7 @@
 
 #include <osg/MatrixTransform>
 #include <osgTerrain/TerrainTile>
+#include <osgUtil/UpdateVisitor>
 
 #include <gtest/gtest.h>
 
@@ -86,7 +87,9 @@ TEST(Tiles, HaveHandlesByLevelAndPlaceOrByNumber)
     EXPECT_EQ(lighting->getTileState(TileHandle::at(1, 2, 3)).stage, TileState::Stage::Unknown);
 }
 
-// Expected: one warning per TerrainLighting, with the second tile that it has at the same time.
+// Expected: one warning per TerrainLighting, once it has had two tiles that are lit alone in so
+// many updates in which no tile came; none where tiles that come meanwhile touch those that are
+// there.
 TEST(Tiles, BesideOthersAreSaidToBeLitAloneOnce)
 {
     const char* warning = "Each of them is lit alone, so its shadows end at its edge";
@@ -97,37 +100,61 @@ TEST(Tiles, BesideOthersAreSaidToBeLitAloneOnce)
         states.emplace_back(new osg::StateSet);
         return lighting.addTile(dem, states.back());
     };
+    const auto update = [](TerrainLighting& lighting, int count)
+    {
+        osgUtil::UpdateVisitor visitor;
+        for (int i = 0; i < count; ++i)
+            lighting.accept(visitor);
+    };
+    constexpr int enough = Scheduler::updatesToTellAlone;
     {
         Said said;
         const osg::ref_ptr<TerrainLighting> one = lightingWithBudget(0.0, 8);
         for (int i = 0; i < 3; ++i) // one after the other
             EXPECT_TRUE(one->removeTile(add(*one)));
         add(*one);
+        update(*one, 2 * enough);
         EXPECT_EQ(said.text(), "");
-        const TileHandle second = add(*one);
-        EXPECT_EQ(said.count(warning), 1);
+        TileHandle second = add(*one);
+        update(*one, enough - 1);
+        EXPECT_EQ(said.text(), "") << "more may come";
         add(*one);
+        update(*one, enough - 1);
+        EXPECT_EQ(said.text(), "") << "one has come";
+        update(*one, 1);
+        EXPECT_EQ(said.count(warning), 1);
         one->removeTile(second);
         add(*one);
+        update(*one, 2 * enough);
         EXPECT_EQ(said.count(warning), 1) << said.text();
         const osg::ref_ptr<TerrainLighting> other = lightingWithBudget(0.0, 8);
         add(*other);
+        update(*other, 2 * enough);
         EXPECT_EQ(said.count(warning), 1) << "alone in a scene of its own";
+        second = add(*other);
+        update(*other, enough - 1);
+        other->removeTile(second);
+        update(*other, enough);
+        EXPECT_EQ(said.count(warning), 1) << "one has gone";
         add(*other);
+        update(*other, enough);
         EXPECT_EQ(said.count(warning), 2);
     }
-    // Found in a scene.
+    // Found in a scene: two that touch no other one, until one comes between them.
     OTL_NEED_GL(context);
     Said said;
     const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 8);
-    lighting->addChild(coneAt(-330.0));
+    lighting->addChild(coneAt(-640.0));
+    lighting->addChild(coneAt(640.0));
     ScenePicture picture(lighting, reach);
-    picture.draw(2);
-    EXPECT_EQ(said.count(warning), 0);
-    lighting->addChild(coneAt(330.0));
-    lighting->addChild(coneAt(1000.0));
-    picture.draw(2);
+    picture.draw(enough - 1);
+    lighting->addChild(coneAt(0.0));
+    picture.draw(2 * enough);
     EXPECT_EQ(lighting->getTileCount(), 3u);
+    EXPECT_EQ(said.text(), "");
+    lighting->addChild(coneAt(5000.0));
+    lighting->addChild(coneAt(-5000.0));
+    picture.draw(2 + enough);
     EXPECT_EQ(said.count(warning), 1) << said.text();
 }
 

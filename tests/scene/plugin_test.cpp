@@ -4,6 +4,7 @@
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include "io/ExrFile.h"
+#include "scene/Scheduler.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"
@@ -275,7 +276,7 @@ TEST(Plugin, SaysThatTilesOfASceneAreLitAlone)
         TerrainLighting* lighting = lightingOf(result);
         ASSERT_TRUE(lighting) << result.message();
         ScenePicture picture(lighting, 100.0);
-        picture.draw(6);
+        picture.draw(6 + Scheduler::updatesToTellAlone);
         EXPECT_EQ(lighting->getTileCount(), static_cast<unsigned>(count));
         EXPECT_EQ(said.count("Each of them is lit alone"), count > 1 && apart > 40.0 ? 1 : 0)
             << said.text();

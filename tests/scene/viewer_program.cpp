@@ -267,12 +267,28 @@ void Windows::bindAndRelease(osg::Geometry& host, osgTerrain::TerrainTile& tile)
     osg::StateSet* stateSet = host.getOrCreateStateSet();
     stateSet->setDataVariance(osg::Object::DYNAMIC);
     TileHandle added;
-    for (int i = 0; i < 40; ++i)
+    // From the middle on with a place, and a tile beside it that comes and goes and is edited.
+    DemTile placed = _cone, next = _cone;
+    placed.mapStepX = placed.mapStepY = next.mapStepX = next.mapStepY = _cone.northSpacing;
+    next.mapOriginX = _cone.northSpacing * (_cone.width() - 1);
+    const osg::ref_ptr<osg::StateSet> beside = new osg::StateSet;
+    const TileHandle name = TileHandle::at(9, 0, 0), nextName = TileHandle::at(9, 1, 0);
+    for (int i = 0; i < 120; ++i)
     {
-        if (i % 2)
+        const bool first = i < 40;
+        if (first ? i % 2 == 1 : i % 20 == 10)
             expect(_lighting->removeTile(added), "tile removed");
-        else
-            added = _lighting->addTile(_cone, stateSet, {}, true);
+        else if (first || i % 20 == 0)
+            added = first ? _lighting->addTile(_cone, stateSet, {}, true)
+                          : _lighting->addTile(placed, stateSet, {}, true, name);
+        if (!first && i % 6 == 0)
+            expect(_lighting->addTile(next, beside, {}, false, nextName).valid(), "tile beside");
+        if (!first && i % 6 == 2)
+            expect(_lighting->setTileHeights(
+                       nextName, std::vector<float>(_cone.postCount(), static_cast<float>(i))),
+                   "tile beside edited");
+        if (i > 42 && i % 6 == 5)
+            expect(_lighting->removeTile(nextName), "tile beside removed");
         expect(added.valid(), "tile added");
         tile.getElevationLayer()->dirty();
         tile.setDirty(i % 3 == 0);

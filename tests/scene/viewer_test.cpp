@@ -85,12 +85,8 @@ TEST_P(ViewerThreads, DrawWithoutErrors)
             << outcome.output;
     EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
     expectNoGlError(outcome.output);
-    // The program adds tiles beside each other.
-    EXPECT_EQ(
-        outcome.output,
-        "osgTerrainLight: the scene has several terrain tiles that touch no other one. Each of "
-        "them is lit alone, so its shadows end at its edge. Tiles of osgTerrain whose edges "
-        "meet light one another; tiles of addTile() do not.\n");
+    // Its tiles come and go: none of them stays alone for long.
+    EXPECT_EQ(outcome.output, "");
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -63,8 +63,8 @@ public:
     /// tile, at a post [m]. bodyRadius: of the planet [m]; 0 stands for flat ground and gives 0.
     double sinkAt(int column, int row, double bodyRadius) const;
 
-    /// Map coordinates of post (0, 0), and the steps between posts, in units of the CRS. An
-    /// application places the tile by them; lighting does not use them.
+    /// Map coordinates of post (0, 0), and the steps between posts, in units of the CRS. They place
+    /// the tile among others (TerrainLighting::addTile()); the light of one tile does not use them.
     double mapOriginX = 0.0, mapOriginY = 0.0;
     double mapStepX = 1.0, mapStepY = 1.0;
 

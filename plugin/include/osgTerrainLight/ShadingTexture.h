@@ -60,6 +60,17 @@ struct ShadingTexture
     static constexpr unsigned formerEdgeUnit = 10;
     static constexpr const char* formerEdgeSampler = "osgTerrainLight_formerEdges";
     static constexpr const char* formerPosts = "osgTerrainLight_formerPosts";
+    /// The texture unit of what placed objects leave of the light (PlacedObject.h), and the
+    /// sampler2D that reads it: RGBA16F, of rgb and of the visible fraction of the sun, in texels
+    /// of its own around the objects, one cluster of them below the other. Then the number of
+    /// clusters on the tile, 0 … 8; the vec4s that lead from the texture coordinates of the
+    /// shading to those of it, scale and offset; and the vec4s of the corners that they are within.
+    /// Only a tile with objects uses the unit. terrain_shading.glsl reads them.
+    static constexpr unsigned objectsUnit = 11;
+    static constexpr const char* objectsSampler = "osgTerrainLight_objects";
+    static constexpr const char* objectCount = "osgTerrainLight_objectCount";
+    static constexpr const char* objectPlaces = "osgTerrainLight_objectPlaces";
+    static constexpr const char* objectCorners = "osgTerrainLight_objectCorners";
     /// The mat3 that leads from the axes of the vertices to those of the tile: x east, y north, z
     /// up.
     static constexpr const char* frame = "osgTerrainLight_frame";

@@ -6,12 +6,15 @@
 #include <osgTerrainLight/ShadingTexture.h>
 #include <osgTerrainLight/SkyLight.h>
 #include <osgTerrainLight/SunPosition.h>
+#include <osgTerrainLight/Surroundings.h>
 #include <osgTerrainLight/TileHandle.h>
 
 #include <osg/Group>
+#include <osg/Matrixd>
 #include <osg/StateSet>
 
 #include <array>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -28,6 +31,7 @@ namespace osgTerrainLight
 
 class DynamicTerrain;
 class LightProbe;
+class PlacedObject;
 
 /// The tiles of a TerrainLighting, and what its light costs.
 struct LightingStatistics
@@ -62,7 +66,8 @@ public:
     /// and switches, and the children that copyop gives it. Terrain tiles that are copied with it
     /// get light of their own. A terrain tile that stands below both lightings (SHALLOW_COPY) keeps
     /// the light of the original; the copy gives a warning, and lights the tile once the original
-    /// has let it go. Tiles of addTile(), probes, counts and event callbacks are not copied.
+    /// has let it go. Tiles of addTile(), surroundings, probes, counts and event callbacks are not
+    /// copied.
     TerrainLighting(const TerrainLighting& other,
                     const osg::CopyOp& copyop = osg::CopyOp::SHALLOW_COPY);
     META_Node(osgTerrainLight, TerrainLighting);
@@ -105,7 +110,8 @@ public:
     /// Sets how long the light of an osgTerrain tile takes to fade in [s], 0 … 3600. The default is
     /// 0.5; 0 shows new light as soon as it is there. A tile that is lit anew keeps the light that
     /// it had, and a new tile below a lit one (by level, x and y of its TileID) has the light of
-    /// that, until its own has been computed; then it fades. Other tiles are lit at once. The
+    /// that, until its own has been computed; then it fades. A placed tile of addTile() that is
+    /// lit anew fades too. Other tiles are lit at once. The
     /// frames' simulation time counts, or their reference time where that stands still. Changes of
     /// the sun, the sky and the settings are shown at once. Other values are refused with a
     /// warning.
@@ -144,6 +150,20 @@ public:
     /// finds something wrong, the StateSet is another tile's, or another tile has the name. The
     /// StateSet becomes osg::Object::DYNAMIC. If it was drawn in the last frame, it must have been
     /// so before.
+    ///
+    /// Tiles whose place on the map is known light one another, as osgTerrain tiles do: a tile that
+    /// touches another one of its map is lit by all tiles of that map, of any spacing, as they are
+    /// added, edited and removed. Where several cover the same ground, as a parent and its children
+    /// do, the one with the lit tile's own spacing counts, then coarser ones, then finer ones. The
+    /// place is that of the DemTile: mapOriginX, mapOriginY, mapStepX and mapStepY, in units of its
+    /// CRS. The step between posts says which tile is finer; heightOrigin and the spacings in
+    /// metres count as ever. Tiles are of one map where their `crs` is the same text.
+    ///
+    /// Placed is a tile that has a CRS, or a name with a level, and whose map coordinates are not
+    /// all left at DemTile's defaults, origin (0, 0) and steps of 1; steps are > 0. The defaults
+    /// count where spacings are 1 m and the tile has a CRS, or x and y of its name are 0. All other
+    /// tiles are lit alone. A placed tile is lit from the next update on, and several of them
+    /// within the time budget.
     TileHandle addTile(const DemTile& tile, osg::StateSet* stateSet,
                        const ShadingCoordinates& coordinates = {}, bool program = false,
                        const TileHandle& name = {});
@@ -152,6 +172,18 @@ public:
     /// one. Returns no handle, with a warning, as above, and where the heights are in a texture
     /// unit that the light needs.
     TileHandle addTile(DynamicTerrain* terrain, const TileHandle& name = {});
+    /// Sets ground that is no tile, and that surrounds the placed tiles of its map: it counts where
+    /// no tile is. It takes the place of surroundings that were set before. Returns false, with a
+    /// warning, where Surroundings::complaint() finds something wrong; nothing changes then.
+    bool setSurroundings(const Surroundings& surroundings);
+    void removeSurroundings();
+    /// Says that heights of the surroundings have changed in a rectangle, in units of their CRS,
+    /// edges included. Tiles that may see it are lit again, one per update. highest: the greatest
+    /// height in the rectangle, before or after the change [m above the vertical datum]; tiles
+    /// above whose ground it does not rise, as seen from them, are left alone. By default all tiles
+    /// of the map are lit again. Wrong values are refused with a warning.
+    void surroundingsChanged(double west, double south, double east, double north,
+                             double highest = std::numeric_limits<double>::infinity());
     /// Takes the light off a tile that addTile() was given. Its StateSet becomes what it was
     /// before, a few updates later, since frames that are still being drawn use it. Returns false
     /// where there is no such tile.
@@ -187,6 +219,15 @@ public:
     /// Computes the light at the probe no longer. Its maps keep the light that they have.
     void removeProbe(LightProbe* probe);
 
+    /// Takes an object into account that does not stand below this node: what it does to the light
+    /// of the ground. Those below are found. Returns false, with a warning, where it was added
+    /// before, or stands below.
+    bool addObject(PlacedObject* object);
+    /// Returns false where addObject() was not given it.
+    bool removeObject(PlacedObject* object);
+    /// The number of objects that change the light, found and added.
+    std::size_t getObjectCount() const;
+
     /// The number of tiles that can be lit.
     std::size_t getTileCount() const;
 
@@ -218,6 +259,10 @@ protected:
     ~TerrainLighting() override;
 
 private:
+    friend class PlacedObject;
+    /// The update traversal has met an object below. toScene: from its frame to this node's.
+    void see(PlacedObject& object, const osg::Matrixd& toScene);
+
     struct Implementation;
     std::unique_ptr<Implementation> _implementation;
 };

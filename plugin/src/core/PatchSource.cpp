@@ -71,8 +71,9 @@ float heightAt(const DemTile& dem, const Between& east, const Between& north)
 } // namespace
 
 PatchSource::PatchSource(const TerrainPatch& tile, std::vector<TerrainPatch> patches,
-                         std::function<double(double)> eastMetres)
-    : _tile(tile), _patches(std::move(patches)), _eastMetres(std::move(eastMetres))
+                         std::function<double(double)> eastMetres, std::optional<BaseGround> base)
+    : _tile(tile), _patches(std::move(patches)), _eastMetres(std::move(eastMetres)),
+      _base(std::move(base))
 {
     // Coarser than the tile, or like it: the finer the better; after these the coarsest.
     const auto rank = [this](const TerrainPatch& patch)
@@ -85,6 +86,7 @@ PatchSource::PatchSource(const TerrainPatch& tile, std::vector<TerrainPatch> pat
               [&](const TerrainPatch& a, const TerrainPatch& b) { return rank(a) < rank(b); });
     _patches.push_back(_tile);
 
+    static constexpr double most = whole;
     const auto placed = [](double from, double step)
     {
         const double post = std::fmod(std::round(from / step), half);
@@ -92,19 +94,26 @@ PatchSource::PatchSource(const TerrainPatch& tile, std::vector<TerrainPatch> pat
     };
     _place = {placed(_tile.west, _tile.eastStep), placed(_tile.south, _tile.northStep),
               _tile.dem->width(), _tile.dem->height()};
-    for (const TerrainPatch& patch : _patches)
+    const auto add = [this](double west, double south, double east, double north)
     {
-        const auto first = [](double from, double step)
-        { return static_cast<int>(std::ceil(from / step - onPost)); };
-        const auto end = [](double to, double step)
-        { return static_cast<int>(std::floor(to / step + onPost)) + 1; };
+        // What lies beyond all of the terrain is clipped below.
+        const auto post = [](double at) { return static_cast<int>(std::clamp(at, -most, most)); };
+        const auto first = [&](double from, double step)
+        { return post(std::ceil(from / step - onPost)); };
+        const auto end = [&](double to, double step)
+        { return post(std::floor(to / step + onPost)) + 1; };
         PostRect posts;
-        posts.column = _place.column + first(patch.west - _tile.west, _tile.eastStep);
-        posts.row = _place.row + first(patch.south - _tile.south, _tile.northStep);
-        posts.width = _place.column + end(patch.east() - _tile.west, _tile.eastStep) - posts.column;
-        posts.height = _place.row + end(patch.north() - _tile.south, _tile.northStep) - posts.row;
-        _extent = _extent.joinedWith(posts);
-    }
+        posts.column = _place.column + first(west - _tile.west, _tile.eastStep);
+        posts.row = _place.row + first(south - _tile.south, _tile.northStep);
+        posts.width = _place.column + end(east - _tile.west, _tile.eastStep) - posts.column;
+        posts.height = _place.row + end(north - _tile.south, _tile.northStep) - posts.row;
+        if (!posts.empty())
+            _extent = _extent.joinedWith(posts);
+    };
+    for (const TerrainPatch& patch : _patches)
+        add(patch.west, patch.south, patch.east(), patch.north());
+    if (_base)
+        add(_base->west, _base->south, _base->east, _base->north);
     _extent = _extent.clippedTo({0, 0, whole, whole});
 }
 
@@ -119,11 +128,44 @@ double PatchSource::eastSpacing(int row) const
                        : _tile.dem->nominalEastSpacing();
 }
 
+/// heights: of the posts, void so far [m above the tile's heightOrigin].
+void PatchSource::readBase(int step, const PostRect& posts, Raster<float>& heights) const
+{
+    // Those posts that lie in the rectangle of the base.
+    const auto within = [](double first, double apart, int count, double from, double to)
+    {
+        const auto post = [count](double at)
+        { return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(count))); };
+        const int begin = post(std::ceil((from - first) / apart - onPost));
+        const int end = post(std::floor((to - first) / apart + onPost) + 1.0);
+        return std::pair(begin, std::max(0, end - begin));
+    };
+    const double eastStep = step * _tile.eastStep, northStep = step * _tile.northStep;
+    const double west = eastOf(posts.column * step), south = northOf(posts.row * step);
+    const auto [column, columns] =
+        within(west, eastStep, heights.width(), _base->west, _base->east);
+    const auto [row, rows] = within(south, northStep, heights.height(), _base->south, _base->north);
+    if (columns == 0 || rows == 0)
+        return;
+    const std::vector<float> read = _base->heights(
+        west + column * eastStep, south + row * northStep, eastStep, northStep, columns, rows);
+    if (read.empty())
+        return;
+    assert(read.size() == static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+    const double zero = _tile.dem->heightOrigin + _tile.lift;
+    auto next = read.begin();
+    for (int y = 0; y < rows; ++y)
+        for (int x = 0; x < columns; ++x, ++next)
+            heights.at(column + x, row + y) = static_cast<float>(static_cast<double>(*next) - zero);
+}
+
 Result<Raster<float>> PatchSource::readSurface(int level, const PostRect& posts)
 {
     const int step = 1 << level;
     Raster<float> result(std::max(0, posts.width), std::max(0, posts.height), missing);
     Raster<float> finest(result.width(), result.height(), 0.0f); // spacing of what is there
+    if (_base)
+        readBase(step, posts, result);
     const double zero = _tile.dem->heightOrigin + _tile.lift;
     for (const TerrainPatch& patch : _patches)
     {

@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace osgTerrainLight
@@ -25,22 +26,35 @@ struct TerrainPatch
     bool isFinerThan(const TerrainPatch& other) const { return eastStep < 0.75 * other.eastStep; }
 };
 
+/// Ground that counts where no patch is: it is read when it is needed, from a rectangle of the map.
+struct BaseGround
+{
+    double west = 0.0, south = 0.0, east = 0.0, north = 0.0; ///< [m, or radians]
+    /// Heights [m above the map's 0], row 0 in the south, NaN where void, of columns × rows posts
+    /// from (west, south) on, in these steps. All of them lie in the rectangle. Empty where they
+    /// cannot be read: then they are void.
+    std::function<std::vector<float>(double west, double south, double eastStep, double northStep,
+                                     int columns, int rows)>
+        heights;
+};
+
 /// What surrounds a tile, from what is loaded around it: patches at several spacings, which may
 /// overlap, as parents and children of a quadtree do.
 ///
 /// Level 0 has the tile's own posts and goes on in their steps. Where several patches are, the one
 /// with the tile's spacing counts, else the finest of those that are coarser, else the coarsest of
-/// those that are finer: what is drawn at the tile's level does not change where finer patches
-/// come. Heights between posts are bilinear. Coarse levels are crests of posts two levels finer, as
-/// those of OverviewSource. Tiles at one level whose posts lie on one grid have the same coarse
-/// posts. A pass over the posts of a window costs nanoseconds for each.
+/// those that are finer, else the base: what is drawn at the tile's level does not change where
+/// finer patches come. Heights between posts are bilinear. Coarse levels are crests of posts two
+/// levels finer, as those of OverviewSource. Tiles at one level whose posts lie on one grid have
+/// the same coarse posts. A pass over the posts of a window costs nanoseconds for each.
 class PatchSource : public TileSource
 {
 public:
     /// patches: all of one map, in any order, the tile among them or not. eastMetres: metres per
     /// unit of the map eastwards at a northing; null: the tile's own in all rows.
     PatchSource(const TerrainPatch& tile, std::vector<TerrainPatch> patches,
-                std::function<double(double)> eastMetres = {});
+                std::function<double(double)> eastMetres = {},
+                std::optional<BaseGround> base = std::nullopt);
 
     /// Of the tile.
     const PostRect& place() const { return _place; }
@@ -70,11 +84,13 @@ private:
     {
         return _tile.west + (column - _place.column) * _tile.eastStep;
     }
+    void readBase(int step, const PostRect& posts, Raster<float>& heights) const;
     double northOf(int row) const { return _tile.south + (row - _place.row) * _tile.northStep; }
 
     TerrainPatch _tile;
     std::vector<TerrainPatch> _patches; ///< those that count most last, the tile the very last
     std::function<double(double)> _eastMetres;
+    std::optional<BaseGround> _base;
     PostRect _place, _extent; ///< of level 0
     /// What crests were made of last: those along the other axis are of the same posts.
     int _readLevel = -1;

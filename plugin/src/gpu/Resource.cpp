@@ -91,8 +91,7 @@ osg::Texture* Resource::make()
     if (_content)
         _texture = _content();
     else if (_layout.format != 0 && _layout.depth > 0)
-        _texture =
-            createVolumeTarget(_layout.width, _layout.height, _layout.depth, _layout.format);
+        _texture = createVolumeTarget(_layout.width, _layout.height, _layout.depth, _layout.format);
     else if (_layout.format != 0 && _layout.layers > 0)
         _texture =
             createLayeredTarget(_layout.width, _layout.height, _layout.layers, _layout.format);

@@ -420,13 +420,13 @@ osg::ref_ptr<osg::Texture2DArray> TileLight::glossLight() const
 
 osg::ref_ptr<osg::Texture2D> TileLight::objectFactor() const
 {
-    Lock computing(_computing);
+    Lock lock(_mutex);
     return _inputs->objects.empty() ? nullptr : static_cast<osg::Texture2D*>(_factor->make());
 }
 
 TileObjects TileLight::objects() const
 {
-    Lock computing(_computing);
+    Lock lock(_mutex);
     return _inputs->objects;
 }
 

@@ -3,6 +3,7 @@
 #include "scene/FormerLight.h"
 #include "scene/LitTile.h"
 #include "scene/ShadingBinding.h"
+#include "scene/TileNeighbours.h"
 #include <osgTerrainLight/DynamicTerrain.h>
 #include <osgTerrainLight/TileHandle.h>
 
@@ -14,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace osgTerrainLight
 {
@@ -51,6 +53,17 @@ struct PictureVersion
     }
 };
 
+/// What a host has given for a tile whose place on the map is known.
+struct HostGround
+{
+    PlacedGround ground; ///< with the heights that it has now
+    osg::ref_ptr<osg::StateSet> stateSet;
+    ShadingCoordinates coordinates;
+    bool program = false;
+    std::vector<Rgb> albedo; ///< per post of the DEM; empty: that of the settings
+    std::vector<std::array<float, 2>> gloss;
+};
+
 /// A tile of a TerrainLighting: its light, where it is bound, and what it is followed from.
 struct SceneTile
 {
@@ -59,7 +72,13 @@ struct SceneTile
     std::shared_ptr<ShadingBinding> binding;
     std::string problem;   ///< why it cannot be lit
     bool hasGloss = false; ///< per post, of its host
+    /// Of the post (0, 0) that is drawn, where its height with its DEM's heightOrigin is 0, in the
+    /// frame of TerrainLighting [m]; none where that is not known, or the tile's axes are not its
+    /// axes.
+    std::optional<osg::Vec3d> corner;
+    bool saidObjects = false; ///< that their texture unit is taken
 
+    std::unique_ptr<HostGround> host; ///< null: the tile was found, or its place is not known
     // Of a DynamicTerrain.
     osg::ref_ptr<DynamicTerrain> dynamic;
     osg::ref_ptr<osg::Texture2D> heights; ///< those that it has; null: still the first ones

@@ -21,15 +21,21 @@ void Scheduler::add(LitTile* tile)
     _tiles.emplace_back(tile);
     touch();
     _alone += tile->isSurrounded() ? 0 : 1;
-    if (_alone >= 2 && !_saidAlone)
-    {
-        _saidAlone = true;
-        OSG_WARN
-            << "osgTerrainLight: the scene has several terrain tiles that touch no other one. "
-               "Each of them is lit alone, so its shadows end at its edge. Tiles of osgTerrain "
-               "whose edges meet light one another; tiles of addTile() do not."
-            << std::endl;
-    }
+    _updatesAlone = 0;
+}
+
+void Scheduler::tellAlone()
+{
+    Lock lock(_mutex);
+    _updatesAlone = _alone >= 2 ? _updatesAlone + 1 : 0;
+    if (_updatesAlone < updatesToTellAlone || _saidAlone)
+        return;
+    _saidAlone = true;
+    OSG_WARN << "osgTerrainLight: the scene has several terrain tiles that touch no other one. "
+                "Each of them is lit alone, so its shadows end at its edge. Tiles of osgTerrain "
+                "whose edges meet light one another, and so do tiles of addTile() that say where "
+                "they lie on the map."
+             << std::endl;
 }
 
 void Scheduler::remove(LitTile* tile)
@@ -191,7 +197,7 @@ void Scheduler::compute(osg::State& state)
         tile->meet(id);
     clock->begin(state);
     FramePace pace(*clock, state, budget);
-    bool done = true;
+    bool done = updateObjects(state, pace);
     const LitTile* last = nullptr;
     for (std::size_t i = 0; i < tiles.size() && !pace.isStopped(); ++i)
     {
@@ -240,6 +246,28 @@ double Scheduler::milliseconds() const
     return most;
 }
 
+/// Whether they are up to date, or will never be.
+bool Scheduler::updateObjects(osg::State& state, FramePace& pace)
+{
+    {
+        Lock lock(_mutex);
+        if (!_objectsFailure.empty())
+            return true;
+    }
+    if (!_objects->isDirty(state.getContextID()))
+        return true;
+    if (!pace.goesOn())
+        return false;
+    const Status updated = _objects->update(state, &pace);
+    if (updated)
+        return !pace.isStopped();
+    OSG_WARN << "osgTerrainLight: placed objects do not change the light: "
+             << updated.error().message << std::endl;
+    Lock lock(_mutex);
+    _objectsFailure = updated.error().message;
+    return true;
+}
+
 /// Whether the tile is up to date; not where the pace has stopped.
 bool Scheduler::update(LitTile& tile, osg::State& state, FramePace& pace)
 {
@@ -254,8 +282,10 @@ bool Scheduler::update(LitTile& tile, osg::State& state, FramePace& pace)
         return false;
     const osg::ref_ptr<osg::Texture2DArray> gloss = tile.lighting().glossLight();
     const osg::ref_ptr<osg::Texture2D> edges = tile.lighting().shadowEdges();
+    const osg::ref_ptr<osg::Texture2D> objects = tile.lighting().objectFactor();
     const Status updated = tile.update(state, light, &pace);
-    if (tile.lighting().glossLight() != gloss || tile.lighting().shadowEdges() != edges)
+    if (tile.lighting().glossLight() != gloss || tile.lighting().shadowEdges() != edges ||
+        tile.lighting().objectFactor() != objects)
         ++_textureRevision;
     if (!updated)
     {

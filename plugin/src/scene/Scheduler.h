@@ -1,5 +1,6 @@
 #pragma once
 
+#include "lighting/ObjectLight.h"
 #include "scene/LitTile.h"
 #include "scene/WorkClock.h"
 
@@ -28,10 +29,18 @@ public:
 
     void add(LitTile* tile);
     void remove(LitTile* tile);
+    /// Once per update: warns, once, where several tiles have been lit alone for a while in which
+    /// no tile came. Tiles that are still loading may touch them.
+    void tellAlone();
+    /// Half a second of frames, in which a loader that is at work brings another tile.
+    static constexpr int updatesToTellAlone = 30;
 
     void setSettings(const LightingSettings& settings);
     void setSky(const SkyLight& sky);
     std::shared_ptr<const SceneLight> light() const;
+
+    /// Of all placed objects: computed before the tiles that they stand on.
+    ObjectLight& objects() const { return *_objects; }
 
     /// Something that tiles depend on has changed.
     void touch() { ++_revision; }
@@ -94,21 +103,25 @@ private:
     void restBehind(const std::vector<osg::ref_ptr<LitTile>>& inOrder,
                     const std::shared_ptr<const SceneLight>& light);
     bool update(LitTile& tile, osg::State& state, FramePace& pace);
+    bool updateObjects(osg::State& state, FramePace& pace);
     bool isDone(const Context& context) const
     {
         return (context.asked && !context.supported) || context.done == _revision;
     }
 
     const WorkClock::Now _now;
+    const osg::ref_ptr<ObjectLight> _objects{new ObjectLight};
     mutable std::mutex _mutex; ///< never held during a dispatch
     std::vector<osg::ref_ptr<LitTile>> _tiles;
     int _alone = 0;          ///< tiles that nothing surrounds
+    int _updatesAlone = 0;   ///< with several of them, since a tile came
     bool _saidAlone = false; ///< that tiles do not light one another
     std::map<unsigned, Context> _contexts;
     std::shared_ptr<const SceneLight> _light;
     std::atomic<unsigned> _revision{1};
     std::atomic<unsigned> _textureRevision{0};
     std::string _unsupported;
+    std::string _objectsFailure; ///< said; they are not computed any more
 };
 
 } // namespace osgTerrainLight

@@ -4,6 +4,7 @@
 #include <osgTerrainLight/DynamicTerrain.h>
 #include <osgTerrainLight/LightProbe.h>
 
+#include <algorithm>
 #include <cassert>
 
 namespace osgTerrainLight
@@ -216,6 +217,10 @@ ShadingBinding::ShadingBinding(osg::StateSet* stateSet, osg::Texture2D* shading,
     add(_edgeSampler);
     add(_formerSampler);
     add(_formerEdgeSampler);
+    _objectSampler = new osg::Uniform(ShadingTexture::objectsSampler, static_cast<int>(unit));
+    _objectCount = new osg::Uniform(ShadingTexture::objectCount, 0);
+    add(_objectSampler);
+    add(_objectCount);
     if (!program)
         return;
     stateSet->setAttribute(program);
@@ -303,6 +308,55 @@ void ShadingBinding::setEdges(osg::Texture2D* edges)
     _hasEdges->set(edges != nullptr);
 }
 
+void ShadingBinding::setObjects(osg::Texture2D* factor, const TileObjects& objects,
+                                const osg::Vec2d& spacings)
+{
+    if (factor != _objects.texture)
+    {
+        remove(*_stateSet, _objects);
+        _objects = {};
+        if (factor)
+            install(_objects, factor, ShadingTexture::objectsUnit);
+        _objectSampler->set(static_cast<int>(factor ? ShadingTexture::objectsUnit : unit()));
+    }
+    const std::size_t count = factor ? std::min(objects.size(), mostObjects) : 0;
+    if (count > 0 && !_objectPlaces)
+    {
+        const auto array = [this](const char* name)
+        {
+            const osg::ref_ptr<osg::Uniform> uniform =
+                new osg::Uniform(osg::Uniform::FLOAT_VEC4, name, int(mostObjects));
+            add(uniform);
+            return uniform;
+        };
+        _objectPlaces = array(ShadingTexture::objectPlaces);
+        _objectCorners = array(ShadingTexture::objectCorners);
+    }
+    for (std::size_t i = 0; i < count; ++i)
+    {
+        // Texel of a shading coordinate c: (c * posts - 0.5) * spacing is its place in metres.
+        const TileObject& object = objects[i];
+        const glm::dvec2 texels(factor->getTextureWidth(), factor->getTextureHeight());
+        const glm::dvec2 posts(_shading.texture->getTextureWidth(),
+                               _shading.texture->getTextureHeight());
+        const glm::dvec2 spacing(spacings.x(), spacings.y());
+        const glm::dvec2 perMetre = 1.0 / (object.pitch * texels);
+        const glm::dvec2 middle = (glm::dvec2(0.0, object.row) + 0.5) / texels; // of the first
+        const glm::dvec2 scale = posts * spacing * perMetre;
+        const glm::dvec2 offset = (-0.5 * spacing - object.first) * perMetre + middle;
+        // Beyond the outermost centres, which are 1, nothing is read.
+        const glm::dvec2 last = middle + (glm::dvec2(object.texels) - 1.0) / texels;
+        const auto vector = [](const glm::dvec2& xy, const glm::dvec2& zw)
+        {
+            return osg::Vec4f(static_cast<float>(xy.x), static_cast<float>(xy.y),
+                              static_cast<float>(zw.x), static_cast<float>(zw.y));
+        };
+        _objectPlaces->setElement(static_cast<unsigned>(i), vector(scale, offset));
+        _objectCorners->setElement(static_cast<unsigned>(i), vector(middle, last));
+    }
+    _objectCount->set(static_cast<int>(count));
+}
+
 void ShadingBinding::setFormer(const FormerLight& light, const osg::Matrixd& toFormer)
 {
     removeFormer();
@@ -381,6 +435,7 @@ void ShadingBinding::removeAll(osg::StateSet& stateSet) const
         if (_theirProgram.first)
             stateSet.setAttribute(_theirProgram.first, _theirProgram.second);
     }
+    remove(stateSet, _objects);
     remove(stateSet, _formerEdges); // in the reverse order: each restores the lists that it found
     remove(stateSet, _former);
     remove(stateSet, _edges);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "lighting/TileObjects.h"
 #include "scene/FormerLight.h"
 #include <osgTerrainLight/ShadingTexture.h>
 
@@ -53,6 +54,12 @@ public:
     void setEdges(osg::Texture2D* edges);
     osg::Texture2D* edges() const { return _edges.texture.get(); }
 
+    /// What placed objects leave of the light, in its unit; null: none, and nothing in it. At most
+    /// mostObjects; spacings: of the tile's posts [m].
+    void setObjects(osg::Texture2D* factor, const TileObjects& objects, const osg::Vec2d& spacings);
+    osg::Texture2D* objects() const { return _objects.texture.get(); }
+    static constexpr std::size_t mostObjects = 8; ///< as in terrain_shading.glsl
+
     /// Former light, in its units. toFormer: from the texture coordinates of the shading to those
     /// of the former one. All of the light is the former one until setFade().
     void setFormer(const FormerLight& light, const osg::Matrixd& toFormer);
@@ -85,7 +92,7 @@ private:
     class Mark;
 
     osg::ref_ptr<osg::StateSet> _stateSet;
-    Bound<osg::Texture2D> _shading, _edges, _former, _formerEdges;
+    Bound<osg::Texture2D> _shading, _edges, _former, _formerEdges, _objects;
     Bound<osg::Texture2DArray> _gloss;
     osg::ref_ptr<osg::Program> _program;
     osg::Object::DataVariance _theirVariance;
@@ -101,6 +108,7 @@ private:
     osg::ref_ptr<osg::Uniform> _hasColour, _edgeSampler, _hasEdges, _posts;
     osg::ref_ptr<osg::Uniform> _formerPart, _formerSampler, _formerMatrix, _formerEdgeSampler,
         _formerPosts;
+    osg::ref_ptr<osg::Uniform> _objectSampler, _objectCount, _objectPlaces, _objectCorners;
     osg::ref_ptr<Mark> _mark;
     bool _retired = false;
 };

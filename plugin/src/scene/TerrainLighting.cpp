@@ -3,10 +3,13 @@
 #include <osgTerrainLight/DynamicTerrain.h>
 #include <osgTerrainLight/Environment.h>
 #include <osgTerrainLight/LightProbe.h>
+#include <osgTerrainLight/PlacedObject.h>
 
 #include "core/SettingsTable.h"
 #include "gpu/ShaderLibrary.h"
 #include "scene/ComputeNode.h"
+#include "scene/HostTiles.h"
+#include "scene/ObjectRegistry.h"
 #include "scene/ProbeList.h"
 #include "scene/SceneUniforms.h"
 #include "scene/TerrainTiles.h"
@@ -15,6 +18,7 @@
 #include <osg/Notify>
 #include <osgUtil/CullVisitor>
 
+#include <cmath>
 #include <set>
 
 namespace osgTerrainLight
@@ -47,7 +51,7 @@ struct TerrainLighting::Implementation
     explicit Implementation(TerrainLighting& node)
         : owner(node), scheduler(new Scheduler), programs(new TilePrograms),
           compute(new ComputeNode(scheduler)), binder(scheduler, programs),
-          terrain(registry, binder, scheduler)
+          terrain(registry, binder, scheduler), placed(registry, binder, terrain.fades, scheduler)
     {
     }
 
@@ -97,8 +101,10 @@ struct TerrainLighting::Implementation
     TileRegistry registry;
     TileBinder binder;
     TerrainTiles terrain;
+    HostTiles placed; ///< those of a host whose place on the map is known
     TileFinder finder;
     ProbeList probes;
+    ObjectRegistry objects;
     SceneUniforms uniforms; ///< on all below
     long long shaders = ShaderLibrary::instance().revision();
     unsigned textureRevision = 0; ///< of the scheduler, when bindings followed it
@@ -114,6 +120,8 @@ void TerrainLighting::Implementation::update(unsigned updatesBelow, const osg::F
     finder.follow(owner, terrain);
     terrain.albedoNeeded = settings.bounces > 0 || !probes.empty();
     terrain.update(finder, updatesBelow);
+    placed.update();
+    scheduler->tellAlone();
     for (SceneTile* tile : registry.dynamic())
         binder.followHeights(*tile);
     if (textureRevision != scheduler->textureRevision())
@@ -123,6 +131,8 @@ void TerrainLighting::Implementation::update(unsigned updatesBelow, const osg::F
     }
     terrain.fades.update(stamp);
     if (probes.follow(registry))
+        scheduler->touch();
+    if (objects.follow(scheduler->objects(), registry, owner))
         scheduler->touch();
     if (!scheduler->isDone())
         registry.forEach(
@@ -441,7 +451,10 @@ TileHandle TerrainLighting::addTile(const DemTile& dem, osg::StateSet* stateSet,
         return {};
     }
     SceneTile& tile = here.registry.add(name ? name : here.registry.next());
-    here.binder.bindHost(tile, dem, stateSet, coordinates, program);
+    if (const std::optional<PlacedGround> ground = HostTiles::placeOf(dem, name))
+        here.placed.add(tile, *ground, stateSet, coordinates, program);
+    else
+        here.binder.bindHost(tile, dem, stateSet, coordinates, program);
     here.registry.take(tile);
     return tile.handle;
 }
@@ -480,6 +493,11 @@ bool TerrainLighting::setTileHeights(const TileHandle& handle, const std::vector
              "height per post");
         return false;
     }
+    if (tile->host)
+    {
+        _implementation->placed.setHeights(*tile, heights);
+        return true;
+    }
     tile->lit->lighting().setHeights(heights);
     _implementation->scheduler->touch();
     return true;
@@ -494,7 +512,9 @@ bool TerrainLighting::setTileAlbedo(const TileHandle& handle, const std::vector<
              "post");
         return false;
     }
-    tile->lit->lighting().setAlbedo(rasterOf(*tile, albedo));
+    if (tile->host)
+        tile->host->albedo = albedo;
+    tile->lit->lighting().setAlbedo(tile->lit->withMargin(rasterOf(*tile, albedo)));
     _implementation->scheduler->touch();
     return true;
 }
@@ -514,7 +534,9 @@ bool TerrainLighting::setTileGloss(const TileHandle& handle,
         return false;
     }
     tile->hasGloss = !gloss.empty();
-    tile->lit->lighting().setGloss(rasterOf(*tile, gloss));
+    if (tile->host)
+        tile->host->gloss = gloss;
+    tile->lit->lighting().setGloss(tile->lit->withMargin(rasterOf(*tile, gloss)));
     here.scheduler->touch();
     here.tellProblems();
     return true;
@@ -525,10 +547,37 @@ bool TerrainLighting::removeTile(const TileHandle& handle)
     SceneTile* tile = _implementation->hosts(handle);
     if (!tile)
         return false;
+    if (tile->host)
+        _implementation->placed.remove(*tile);
     _implementation->registry.untake(*tile);
     _implementation->binder.release(*tile);
     _implementation->registry.remove(handle);
     return true;
+}
+
+bool TerrainLighting::setSurroundings(const Surroundings& surroundings)
+{
+    if (const std::string problem = surroundings.complaint(); !problem.empty())
+    {
+        warn("surroundings not set: " + problem);
+        return false;
+    }
+    _implementation->placed.setSurroundings(surroundings);
+    return true;
+}
+
+void TerrainLighting::removeSurroundings()
+{
+    _implementation->placed.setSurroundings({});
+}
+
+void TerrainLighting::surroundingsChanged(double west, double south, double east, double north,
+                                          double highest)
+{
+    if (west <= east && south <= north && !std::isnan(highest))
+        _implementation->placed.changeSurroundings(west, south, east, north, highest);
+    else
+        warn("change of surroundings not taken: needs west <= east, south <= north and a height");
 }
 
 TileHandle TerrainLighting::getTileHandle(osgTerrain::TerrainTile* tile)
@@ -569,6 +618,34 @@ void TerrainLighting::removeProbe(LightProbe* probe)
     _implementation->probes.remove(probe);
 }
 
+bool TerrainLighting::addObject(PlacedObject* object)
+{
+    bool below = false;
+    if (object)
+        for (const osg::NodePath& path : object->getParentalNodePaths(this))
+            below = below || (!path.empty() && path.front() == this);
+    const bool added = object && !below && _implementation->objects.add(*object);
+    if (!added)
+        warn("object not added: needs one that has not been added, and does not stand below the "
+             "lighting, where it is found");
+    return added;
+}
+
+bool TerrainLighting::removeObject(PlacedObject* object)
+{
+    return _implementation->objects.remove(object);
+}
+
+std::size_t TerrainLighting::getObjectCount() const
+{
+    return _implementation->objects.size();
+}
+
+void TerrainLighting::see(PlacedObject& object, const osg::Matrixd& toScene)
+{
+    _implementation->objects.see(object, toScene);
+}
+
 std::size_t TerrainLighting::getTileCount() const
 {
     std::size_t count = 0;
@@ -590,6 +667,8 @@ std::map<std::string, unsigned> TerrainLighting::getDispatchCounts() const
             for (const StageCost& cost : tile.lighting().costs())
                 counts[cost.name] += cost.dispatches;
         });
+    for (const StageCost& cost : _implementation->scheduler->objects().costs())
+        counts[cost.name] += cost.dispatches;
     return counts;
 }
 
@@ -614,6 +693,7 @@ LightingStatistics TerrainLighting::getStatistics() const
     found.waiting = found.tiles - found.lit - found.failed;
     _implementation->forEachLit([&](const LitTile& tile)
                                 { found.bytes += tile.lighting().bytes(); });
+    found.bytes += _implementation->scheduler->objects().bytes();
     found.milliseconds = _implementation->scheduler->milliseconds();
     return found;
 }
@@ -661,6 +741,7 @@ void TerrainLighting::releaseGLObjects(osg::State* state) const
     osg::Group::releaseGLObjects(state);
     here.forEachLit([&](const LitTile& tile) { tile.lighting().releaseGLObjects(state); });
     here.terrain.fades.releaseGLObjects(state);
+    here.scheduler->objects().releaseGLObjects(state);
     here.scheduler->forget(state ? state->getContextID() : ~0u);
     here.compute->releaseGLObjects(state);
     here.uniforms.releaseGLObjects(state);
@@ -685,6 +766,7 @@ void TerrainLighting::resizeGLObjectBuffers(unsigned size)
     osg::Group::traverse(resizer);
     Implementation& here = *_implementation;
     here.forEachLit([&](const LitTile& tile) { tile.lighting().resizeGLObjectBuffers(size); });
+    here.scheduler->objects().resizeGLObjectBuffers(size);
     here.compute->resizeGLObjectBuffers(size);
     here.uniforms.resizeGLObjectBuffers(size);
 }

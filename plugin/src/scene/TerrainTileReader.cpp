@@ -195,6 +195,20 @@ std::optional<PlacedGround> placeTerrainTile(const osgTerrain::TerrainTile& tile
     return ground;
 }
 
+std::optional<osg::Vec3d> cornerOf(const osgTerrain::TerrainTile& tile, const osg::Matrixd& toScene,
+                                   const DemTile& dem)
+{
+    const osgTerrain::Layer* layer = tile.getElevationLayer();
+    const osgTerrain::Locator* locator = layer ? layer->getLocator() : nullptr;
+    if (!locator || locator->getCoordinateSystemType() != osgTerrain::Locator::PROJECTED)
+        return std::nullopt;
+    osg::Vec3d corner = Placement(*locator, toScene).at(0.0, 0.0);
+    // A height field of a DemTile is above its heightOrigin already.
+    if (dynamic_cast<const DemData*>(tile.getUserData()))
+        corner.z() -= dem.heightOrigin;
+    return corner;
+}
+
 std::optional<ShadingCoordinates> affineCoordinates(const osgTerrain::TerrainTile& tile,
                                                     const std::vector<TilePart>& parts)
 {

@@ -66,6 +66,11 @@ Result<TerrainHeights> readTerrainTile(osgTerrain::TerrainTile& tile, const osg:
 std::optional<PlacedGround> placeTerrainTile(const osgTerrain::TerrainTile& tile,
                                              const osg::Matrixd& toScene, const DemTile& dem);
 
+/// Of post (0, 0) where its height with heightOrigin is 0, in the frame of TerrainLighting [m];
+/// none where the locator has longitude and latitude.
+std::optional<osg::Vec3d> cornerOf(const osgTerrain::TerrainTile& tile, const osg::Matrixd& toScene,
+                                   const DemTile& dem);
+
 /// The tile's first colour layer as an albedo per post: a picture over the tile's whole extent, its
 /// bytes sRGB. Empty where it has none, one that is no picture, or one compressed for the GPU.
 Raster<Rgb> readTerrainAlbedo(const osgTerrain::TerrainTile& tile, int width, int height);

@@ -4,6 +4,8 @@
 
 #include <osg/Notify>
 
+#include <utility>
+
 namespace osgTerrainLight
 {
 
@@ -36,6 +38,26 @@ void TileBinder::bindHost(SceneTile& tile, const DemTile& dem, osg::StateSet* st
     takeFrom(stateSet);
     light(tile, new LitTile("added tile", dem, _scheduler->light()));
     bind(tile, stateSet, coordinates, programOf(tile, program));
+}
+
+void TileBinder::bindPlaced(SceneTile& tile, const std::shared_ptr<const TileWindows>& windows)
+{
+    const HostGround& host = *tile.host;
+    takeFrom(host.stateSet);
+    const std::shared_ptr<const SceneLight> now = _scheduler->light();
+    light(tile, windows ? new LitTile("added tile", windows, now)
+                        : new LitTile("added tile", *host.ground.patch.dem, now));
+    ShadingCoordinates onLit = host.coordinates;
+    onLit.toTile = host.coordinates.toTile * tile.lit->fromDrawn();
+    bind(tile, host.stateSet, onLit, programOf(tile, host.program));
+}
+
+void TileBinder::bindWaiting(SceneTile& tile)
+{
+    const HostGround& host = *tile.host;
+    takeFrom(host.stateSet);
+    tile.lit = new LitTile("added tile", *host.ground.patch.dem, _scheduler->light());
+    bind(tile, host.stateSet, host.coordinates, programOf(tile, host.program));
 }
 
 void TileBinder::bindDynamic(SceneTile& tile, DynamicTerrain& terrain)
@@ -133,6 +155,7 @@ void TileBinder::followTextures(SceneTile& tile)
         return;
     followEdges(tile);
     followGloss(tile);
+    followObjects(tile);
 }
 
 void TileBinder::followEdges(SceneTile& tile)
@@ -156,6 +179,24 @@ void TileBinder::followEdges(SceneTile& tile)
         tile.lit->forget(~0u);
         _scheduler->touch();
     }
+}
+
+void TileBinder::followObjects(SceneTile& tile)
+{
+    osg::ref_ptr<osg::Texture2D> factor = tile.lit->lighting().objectFactor();
+    const unsigned unit = ShadingTexture::objectsUnit;
+    if (factor && (unit == tile.binding->unit() || unit == units.gloss ||
+                   (tile.dynamic && tile.dynamic->getHeightUnit() == unit)))
+    {
+        factor = nullptr;
+        if (!std::exchange(tile.saidObjects, true))
+            OSG_WARN << "osgTerrainLight: " << tile.lit->name()
+                     << ": drawn without what objects do to its light: texture unit " << unit
+                     << ", theirs, is that of the shading, of gloss or of heights" << std::endl;
+    }
+    const DemTile& ground = tile.lit->lighting().tile();
+    tile.binding->setObjects(factor, tile.lit->lighting().objects(),
+                             {ground.nominalEastSpacing(), ground.northSpacing});
 }
 
 void TileBinder::followGloss(SceneTile& tile)

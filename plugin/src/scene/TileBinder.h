@@ -28,6 +28,10 @@ public:
     /// A host's terrain. Precondition: its StateSet has no tile.
     void bindHost(SceneTile& tile, const DemTile& dem, osg::StateSet* stateSet,
                   const ShadingCoordinates& coordinates, bool program);
+    /// A host's terrain with its place, and with what surrounds it; null: it is lit alone.
+    void bindPlaced(SceneTile& tile, const std::shared_ptr<const TileWindows>& windows);
+    /// The same before that is known: nothing is computed yet.
+    void bindWaiting(SceneTile& tile);
     void bindDynamic(SceneTile& tile, DynamicTerrain& terrain);
     /// A terrain tile that was found.
     void bindTerrain(SceneTile& tile, const TerrainHeights& heights, const std::string& name,
@@ -42,8 +46,8 @@ public:
     /// gone, of another lighting too.
     void takeFrom(const osg::StateSet* stateSet);
 
-    /// Binds light sent by gloss, and edges of shadows, where there are some now. Until they are
-    /// computed the tile waits.
+    /// Binds light sent by gloss, edges of shadows, and what objects leave of the light, where
+    /// there are some now. Until they are computed the tile waits.
     void followTextures(SceneTile& tile);
     /// Hands on heights of dynamic terrain that have changed.
     void followHeights(SceneTile& tile);
@@ -66,6 +70,7 @@ private:
     static void take(Retired& retired);
     void followGloss(SceneTile& tile);
     void followEdges(SceneTile& tile);
+    void followObjects(SceneTile& tile);
 
     osg::ref_ptr<Scheduler> _scheduler;
     osg::ref_ptr<TilePrograms> _programs;

@@ -27,6 +27,8 @@ osg::Vec3d modelOf(const SceneTile& tile, double east, double north)
 
 std::array<osg::Vec3d, 3> cornersOf(const SceneTile& tile)
 {
+    if (!tile.terrain) // a host's, whose place stays
+        return {osg::Vec3d(0.0, 0.0, 0.0), {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}};
     return {modelOf(tile, 0.0, 0.0), modelOf(tile, 1.0, 0.0), modelOf(tile, 0.0, 1.0)};
 }
 
@@ -135,7 +137,7 @@ void TileFades::begin(SceneTile& tile)
     if (tile.former && !areSame(corners, tile.corners))
         tile.former.reset();
     tile.corners = corners;
-    if (!tile.former)
+    if (!tile.former && tile.terrain)
         tile.former = above(tile);
     if (!tile.former)
         return;

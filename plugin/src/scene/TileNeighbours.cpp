@@ -141,6 +141,22 @@ void TileNeighbours::mark(const TileHandle& changed, const Change& change)
             _stale.insert(handle);
 }
 
+void TileNeighbours::setBase(std::optional<BaseGround> base, const std::string& crs)
+{
+    for (const auto& [handle, tile] : _tiles)
+        if (hasBase(tile) || (base && tile.ground.crs == crs))
+            _stale.insert(handle);
+    _base = std::move(base);
+    _baseCrs = crs;
+}
+
+void TileNeighbours::changeBase(double west, double south, double east, double north, double top)
+{
+    for (const auto& [handle, tile] : _tiles)
+        if (hasBase(tile) && isReached(tile, {tile.ground, west, south, east, north, top}))
+            _stale.insert(handle);
+}
+
 bool TileNeighbours::isReached(const Tile& tile, const Change& change)
 {
     // Coarse posts, one of 64 between a tile and what they show, spread a change over 1.5 of them.
@@ -204,7 +220,7 @@ std::shared_ptr<const TileWindows> TileNeighbours::around(const TileHandle& hand
     if (known == _tiles.end())
         return nullptr;
     Tile& tile = known->second;
-    tile.surrounded = touchesAny(handle, tile);
+    tile.surrounded = hasBase(tile) || touchesAny(handle, tile);
     if (!tile.surrounded)
         return nullptr;
     const PlacedGround& ground = tile.ground;
@@ -219,7 +235,17 @@ std::shared_ptr<const TileWindows> TileNeighbours::around(const TileHandle& hand
             const double most = 0.5 * osg::PI;
             return metresPerRadian(std::clamp(latitude, -most, most), a, b).east;
         };
-    PatchSource source(ground.patch, std::move(patches), std::move(eastMetres));
+    else if (ground.patch.dem->eastSpacings.size() > 1)
+        eastMetres = [patch = ground.patch](double northing)
+        {
+            // Beyond the tile the nearest row's.
+            const double row = std::round((northing - patch.south) / patch.northStep);
+            const auto last = static_cast<double>(patch.dem->height() - 1);
+            return patch.dem->eastSpacing(static_cast<int>(std::clamp(row, 0.0, last))) /
+                   patch.eastStep;
+        };
+    PatchSource source(ground.patch, std::move(patches), std::move(eastMetres),
+                       hasBase(tile) ? _base : std::nullopt);
     // Reads of memory do not fail.
     const auto windows = readWindows(source, 0, source.place(), quality);
     return windows ? *windows : nullptr;

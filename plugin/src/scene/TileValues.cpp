@@ -15,9 +15,8 @@ bool isWithin(float value, float minimum, float maximum)
 
 bool isTileSized(const SceneTile& tile, std::size_t posts)
 {
-    const TileLight& lighting = tile.lit->lighting();
-    return posts ==
-           static_cast<std::size_t>(lighting.width()) * static_cast<std::size_t>(lighting.height());
+    return posts == static_cast<std::size_t>(tile.lit->drawnWidth()) *
+                        static_cast<std::size_t>(tile.lit->drawnHeight());
 }
 
 bool areAlbedo(const SceneTile& tile, const std::vector<Rgb>& values)

@@ -20,13 +20,14 @@ bool areAlbedo(const SceneTile& tile, const std::vector<Rgb>& values);
 /// The same of gloss and exponent.
 bool areGloss(const SceneTile& tile, const std::vector<std::array<float, 2>>& values);
 
-/// Empty where there are none. Precondition: else there are as many as posts.
+/// Of the posts that are drawn. Empty where there are none. Precondition: else there are as many as
+/// posts.
 template <class T>
 Raster<T> rasterOf(const SceneTile& tile, const std::vector<T>& values)
 {
     if (values.empty())
         return {};
-    Raster<T> raster(tile.lit->lighting().width(), tile.lit->lighting().height());
+    Raster<T> raster(tile.lit->drawnWidth(), tile.lit->drawnHeight());
     raster.values() = values;
     return raster;
 }

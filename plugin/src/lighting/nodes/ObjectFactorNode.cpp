@@ -122,8 +122,7 @@ Status ObjectFactorNode::run(osg::State& state)
         _pass->set("sunDirection", vector(glm::dvec3(direction[0], direction[1], direction[2])));
         _pass->set("sunIrradiance",
                    osg::Vec3f(sky.sunIrradiance[0], sky.sunIrradiance[1], sky.sunIrradiance[2]));
-        _pass->set("sunSine",
-                   static_cast<float>(std::sin(sky.sunAngularRadius * radiansPerDegree)));
+        _pass->set("sunRadius", static_cast<float>(sky.sunAngularRadius * radiansPerDegree));
     }
     _pass->setDefines(std::move(defines));
     for (const TileObject& object : _inputs->objects)

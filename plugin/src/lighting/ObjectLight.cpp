@@ -1,0 +1,122 @@
+#include "lighting/ObjectLight.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+using Lock = std::lock_guard<std::mutex>;
+
+/// Ground around objects whose light they change, over their height.
+constexpr double aroundHeight = 3.0;
+/// Texels of the factor along a side, at most.
+constexpr int mostTexels = 256;
+} // namespace
+
+bool ObjectLight::set(const std::vector<ObjectShape>& shapes)
+{
+    if (shapes == _shapes)
+        return false;
+    _shapes = shapes;
+    std::vector<ObjectCluster> before;
+    for (const Placed& placed : _placed)
+        before.push_back(placed.cluster);
+    std::vector<Placed> now;
+    for (const ObjectCluster& cluster : clusterObjects(shapes, finest, mostClusters, before))
+    {
+        const auto same =
+            std::find_if(_placed.begin(), _placed.end(),
+                         [&](const Placed& placed) { return placed.cluster.sameVolume(cluster); });
+        now.push_back(
+            {cluster, same != _placed.end() ? same->node.get() : new ObjectVolumeNode(cluster)});
+    }
+    _placed = now;
+    Lock lock(_mutex);
+    _latest = std::move(now);
+    _changed = true;
+    return true;
+}
+
+Status ObjectLight::update(osg::State& state, WorkPace* pace)
+{
+    Lock computing(_computing);
+    {
+        Lock lock(_mutex);
+        if (_changed)
+        {
+            WorkGraph::Nodes nodes;
+            for (const Placed& placed : _latest)
+            {
+                placed.node->set(placed.cluster);
+                nodes.push_back(placed.node);
+            }
+            if (Status declared = _graph.declare(nodes); !declared)
+                return declared;
+            _changed = false;
+            _latest.clear();
+        }
+    }
+    return _graph.run(state, pace);
+}
+
+bool ObjectLight::isDirty(unsigned context) const
+{
+    Lock lock(_mutex);
+    return _changed || _graph.isDirty(context);
+}
+
+void ObjectLight::releaseGLObjects(osg::State* state)
+{
+    Lock computing(_computing);
+    _graph.releaseGLObjects(state);
+}
+
+void ObjectLight::resizeGLObjectBuffers(unsigned size)
+{
+    Lock computing(_computing);
+    _graph.resizeGLObjectBuffers(size);
+}
+
+TileObjects objectsOn(const std::vector<ObjectLight::Placed>& placed, const glm::dvec3& corner,
+                      const DemTile& tile)
+{
+    TileObjects objects;
+    int row = 0;
+    for (const ObjectLight::Placed& each : placed)
+    {
+        const ObjectCluster& cluster = each.cluster;
+        TileObject object;
+        object.volume = each.node->volume();
+        object.corner = cluster.origin - corner;
+        object.voxels = cluster.voxels;
+        object.voxel = cluster.voxel;
+        object.low = cluster.content.low - corner;
+        object.high = cluster.content.high - corner;
+        const double around = aroundHeight * (object.high.z - object.low.z);
+        // Texels lie on a grid of the tile's, so that they do not move with what grows.
+        const glm::dvec2 low = glm::dvec2(object.low) - around;
+        const glm::dvec2 high = glm::dvec2(object.high) + around;
+        const double longest = std::max(high.x - low.x, high.y - low.y);
+        object.pitch = cluster.voxel;
+        while (longest / object.pitch > mostTexels - 2)
+            object.pitch *= 2.0;
+        object.first = glm::floor(low / object.pitch) * object.pitch;
+        object.texels = glm::ivec2(glm::ceil((high - object.first) / object.pitch)) + 1;
+        const glm::dvec2 end = object.first + object.pitch * glm::dvec2(object.texels);
+        const int middle = std::clamp(static_cast<int>(0.5 * (low.y + high.y) / tile.northSpacing),
+                                      0, tile.height() - 1);
+        const double width = tile.eastSpacing(middle) * (tile.width() - 1);
+        const double height = tile.northSpacing * (tile.height() - 1);
+        if (object.first.x > width || object.first.y > height || end.x < 0.0 || end.y < 0.0)
+            continue;
+        object.row = row;
+        row += object.texels.y;
+        objects.push_back(object);
+    }
+    return objects;
+}
+
+} // namespace osgTerrainLight

@@ -1,0 +1,206 @@
+#include "scene/ObjectField.h"
+
+#include "fields/MeshField.h"
+
+#include <osg/ComputeBoundsVisitor>
+#include <osg/Notify>
+#include <osg/ShapeDrawable>
+#include <osg/TriangleFunctor>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <chrono>
+#include <utility>
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+
+glm::dvec3 vector(const osg::Vec3d& v)
+{
+    return {v.x(), v.y(), v.z()};
+}
+
+struct AddTriangle
+{
+    TriangleMesh* mesh = nullptr;
+    osg::Matrixd toObject;
+
+    void operator()(const osg::Vec3& a, const osg::Vec3& b, const osg::Vec3& c, bool = false)
+    {
+        const auto first = static_cast<std::uint32_t>(mesh->vertices.size());
+        for (const osg::Vec3& corner : {a, b, c})
+        {
+            const osg::Vec3d place = osg::Vec3d(corner) * toObject;
+            mesh->vertices.emplace_back(place.x(), place.y(), place.z());
+        }
+        mesh->triangles.push_back({first, first + 1, first + 2});
+    }
+};
+
+/// Triangles of what is drawn below, in its frame, and its drawables.
+class PartCollector : public osg::NodeVisitor
+{
+public:
+    explicit PartCollector(bool triangles)
+        : osg::NodeVisitor(TRAVERSE_ACTIVE_CHILDREN), _triangles(triangles)
+    {
+    }
+    void apply(osg::Drawable& drawable) override
+    {
+        // The object itself is first in the path.
+        const osg::NodePath below(getNodePath().begin() + 1, getNodePath().end());
+        toObject = osg::computeLocalToWorld(below);
+        last = &drawable;
+        ++count;
+        if (!_triangles)
+            return;
+        osg::TriangleFunctor<AddTriangle> add;
+        add.mesh = &mesh;
+        add.toObject = toObject;
+        drawable.accept(add);
+    }
+    TriangleMesh mesh;
+    const osg::Drawable* last = nullptr;
+    osg::Matrixd toObject; ///< of the last
+    int count = 0;
+
+private:
+    bool _triangles;
+};
+
+ObjectShape about(ObjectShape::Kind kind, const osg::Vec3d& centre, const glm::dvec3& size,
+                  const osg::Matrixd& toObject = {})
+{
+    ObjectShape shape;
+    shape.kind = kind;
+    shape.size = glm::max(size, glm::dvec3(1.0e-6));
+    shape.toScene = glm::translate(toGlm(toObject), vector(centre));
+    return shape;
+}
+
+/// Of a single drawable that is a solid of OSG whose own rotation is none.
+std::optional<ObjectShape> simpleShape(const PartCollector& parts)
+{
+    const auto* drawn = dynamic_cast<const osg::ShapeDrawable*>(parts.last);
+    if (parts.count != 1 || !drawn || !drawn->getShape())
+        return std::nullopt;
+    using Kind = ObjectShape::Kind;
+    if (const auto* box = dynamic_cast<const osg::Box*>(drawn->getShape());
+        box && box->zeroRotation())
+        return about(Kind::Box, box->getCenter(), vector(box->getHalfLengths()), parts.toObject);
+    if (const auto* sphere = dynamic_cast<const osg::Sphere*>(drawn->getShape()))
+        return about(Kind::Ellipsoid, sphere->getCenter(), glm::dvec3(double(sphere->getRadius())),
+                     parts.toObject);
+    if (const auto* cylinder = dynamic_cast<const osg::Cylinder*>(drawn->getShape());
+        cylinder && cylinder->zeroRotation())
+    {
+        const double radius = double(cylinder->getRadius());
+        return about(Kind::Cylinder, cylinder->getCenter(),
+                     {radius, radius, 0.5 * double(cylinder->getHeight())}, parts.toObject);
+    }
+    return std::nullopt;
+}
+
+} // namespace
+
+glm::dmat4 toGlm(const osg::Matrixd& matrix)
+{
+    glm::dmat4 result;
+    for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 4; ++column)
+            result[row][column] = matrix(row, column); // OSG's rows are columns of GLM
+    return result;
+}
+
+std::optional<ObjectShape> ObjectField::shape(osg::Group& object)
+{
+    const osg::BoundingSphere& bound = object.getBound();
+    if (_isDirty || bound.center() != _bound.center() || bound.radius() != _bound.radius())
+    {
+        _bound = bound;
+        make(object);
+    }
+    takeBaked();
+    return _shape;
+}
+
+void ObjectField::make(osg::Group& object)
+{
+    _isDirty = false;
+    _shape.reset();
+    // A mesh that is still being sampled is of a form that is gone: its future is waited for where
+    // the next one is put in its place.
+    using Field = PlacedObject::Field;
+    if (field == Field::None)
+        return;
+    PartCollector parts(false);
+    object.accept(parts);
+    if (parts.count == 0)
+        return;
+    if (field == Field::Automatic)
+        if ((_shape = simpleShape(parts)))
+            return;
+
+    osg::ComputeBoundsVisitor bounds;
+    for (unsigned i = 0; i < object.getNumChildren(); ++i)
+        object.getChild(i)->accept(bounds);
+    const osg::BoundingBox& box = bounds.getBoundingBox();
+    if (!box.valid())
+        return;
+    const glm::dvec3 half = 0.5 * (vector(osg::Vec3d(box._max)) - vector(osg::Vec3d(box._min)));
+    const auto kind = field == Field::Ellipsoid  ? ObjectShape::Kind::Ellipsoid
+                      : field == Field::Cylinder ? ObjectShape::Kind::Cylinder
+                                                 : ObjectShape::Kind::Box;
+    _shape = about(kind, box.center(),
+                   kind == ObjectShape::Kind::Cylinder
+                       ? glm::dvec3(0.5 * (half.x + half.y), 0.5 * (half.x + half.y), half.z)
+                       : half);
+    if (field == Field::Mesh || field == Field::Automatic)
+        startBaking(object);
+}
+
+void ObjectField::startBaking(osg::Group& object)
+{
+    auto parts = std::make_shared<PartCollector>(true);
+    object.accept(*parts);
+    _baking = std::async(
+        std::launch::async,
+        [mesh = std::move(parts->mesh),
+         name = object.getName()]() -> std::shared_ptr<const DistanceGrid>
+        {
+            BakeOptions options;
+            options.cells = 48;
+            const Result<BakedField> baked = bakeMesh(mesh, options);
+            if (!baked)
+            {
+                OSG_WARN << "osgTerrainLight: object '" << name
+                         << "' changes light as its box does: " << baked.error().message
+                         << std::endl;
+                return nullptr;
+            }
+            if (!baked->isWellSigned())
+                OSG_WARN << "osgTerrainLight: object '" << name
+                         << "': inside and outside of its mesh cannot be told apart well; its "
+                            "shadow may have holes"
+                         << std::endl;
+            return std::make_shared<const DistanceGrid>(baked->grid);
+        });
+}
+
+void ObjectField::takeBaked()
+{
+    if (!_baking.valid() || _baking.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+        return;
+    const std::shared_ptr<const DistanceGrid> grid = _baking.get();
+    if (!grid || !_shape)
+        return;
+    ObjectShape mesh;
+    mesh.kind = ObjectShape::Kind::Mesh;
+    mesh.grid = grid;
+    _shape = mesh;
+}
+
+} // namespace osgTerrainLight

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "fields/ObjectShape.h"
+#include <osgTerrainLight/PlacedObject.h>
+
+#include <osg/Matrixd>
+
+#include <future>
+#include <memory>
+#include <optional>
+
+namespace osgTerrainLight
+{
+
+/// The same matrix.
+glm::dmat4 toGlm(const osg::Matrixd& matrix);
+
+/// The shape of an object in its own frame, made from what is drawn below it. In update traversal.
+class ObjectField
+{
+public:
+    PlacedObject::Field field = PlacedObject::Field::Automatic;
+
+    void dirty() { _isDirty = true; }
+    bool isReady() const { return !_isDirty && !_baking.valid(); }
+
+    /// As it is now; none where there is nothing to be seen, or none is wanted.
+    std::optional<ObjectShape> shape(osg::Group& object);
+
+private:
+    void make(osg::Group& object);
+    void startBaking(osg::Group& object);
+    void takeBaked();
+
+    bool _isDirty = true;
+    osg::BoundingSphere _bound; ///< of the object, when the shape was made
+    std::optional<ObjectShape> _shape;
+    /// Null grid: it could not be made, and has been said.
+    std::future<std::shared_ptr<const DistanceGrid>> _baking;
+};
+
+} // namespace osgTerrainLight

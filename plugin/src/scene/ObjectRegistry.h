@@ -1,0 +1,41 @@
+#pragma once
+
+#include "lighting/ObjectLight.h"
+#include "scene/TileRegistry.h"
+#include <osgTerrainLight/PlacedObject.h>
+
+#include <osg/Matrixd>
+#include <osg/observer_ptr>
+
+#include <map>
+#include <vector>
+
+namespace osgTerrainLight
+{
+
+/// The placed objects of a TerrainLighting: those that the update traversal meets below it, and
+/// those that it was given. In update traversal.
+class ObjectRegistry
+{
+public:
+    /// False where it was given before.
+    bool add(PlacedObject& object);
+    bool remove(const PlacedObject* object);
+
+    /// The traversal has met an object. toScene: from its frame to that of TerrainLighting.
+    void see(PlacedObject& object, const osg::Matrixd& toScene);
+
+    /// After the traversal: what has come, gone or moved goes to the light of the objects and of
+    /// the tiles that they stand on. Whether that changes any. root: the TerrainLighting.
+    bool follow(ObjectLight& light, const TileRegistry& tiles, const osg::Group& root);
+
+    std::size_t size() const { return _count; }
+
+private:
+    std::vector<osg::ref_ptr<PlacedObject>> _given;
+    std::vector<ObjectShape> _seen; ///< in this traversal
+    std::size_t _count = 0;         ///< of the last
+    std::map<TileHandle, osg::observer_ptr<LitTile>> _told;
+};
+
+} // namespace osgTerrainLight
