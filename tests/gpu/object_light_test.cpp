@@ -238,3 +238,87 @@ TEST(ObjectFactor, OfABoxOnLevelGroundIsThatOfRays)
     EXPECT_EQ(factor.at(0, 40), osg::Vec4f(1, 1, 1, 1));
     EXPECT_EQ(factor.at(40, 10).w(), 1.0f);
 }
+
+namespace
+{
+
+/// A valley along y, whose sides rise by 0.7 from x = 40 m on: posts in 2 m, so exact.
+constexpr double rise = 0.7;
+double valley(double x)
+{
+    return rise * std::abs(x - 40.0);
+}
+
+/// Light of a white sky by the cosine's density, on ground of the valley, by rays: they meet the
+/// sides, which go on for ever, and the box.
+double valleyLight(const glm::dvec3& place, const ObjectShape* house)
+{
+    const double side = place.x < 40.0 ? -rise : place.x > 40.0 ? rise : 0.0;
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(-side, 0.0, 1.0));
+    const glm::dvec3 across = glm::normalize(glm::dvec3(normal.z, 0.0, -normal.x));
+    const glm::dvec3 along(0.0, 1.0, 0.0);
+    int seen = 0;
+    constexpr int strata = 64;
+    for (int i = 0; i < strata; ++i)
+        for (int j = 0; j < strata; ++j)
+        {
+            const double r = std::sqrt((i + 0.5) / strata), turn = 2.0 * pi * (j + 0.5) / strata;
+            const glm::dvec3 ray = across * (r * std::cos(turn)) + along * (r * std::sin(turn)) +
+                                   normal * std::sqrt(1.0 - r * r);
+            // The other side is a plane that the ray meets where it rises less than that.
+            bool open = ray.z > 0.0 && ray.z > rise * std::abs(ray.x);
+            if (open && house)
+            {
+                const glm::dmat4 own = glm::inverse(house->toScene);
+                const glm::dvec3 start(own * glm::dvec4(place, 1.0)),
+                    way(own * glm::dvec4(ray, 0.0));
+                double first = 0.0, last = 1.0e30;
+                for (int axis = 0; axis < 3; ++axis)
+                {
+                    const double a = (-house->size[axis] - start[axis]) / way[axis];
+                    const double b = (house->size[axis] - start[axis]) / way[axis];
+                    first = std::max(first, std::min(a, b));
+                    last = std::min(last, std::max(a, b));
+                }
+                open = !(last > first);
+            }
+            seen += open;
+        }
+    return double(seen) / (strata * strata);
+}
+
+} // namespace
+
+// A house at the bottom of a valley: what the sides hide already is not taken again. Truth: rays
+// that meet both. Beside it, the product of what each leaves alone, which darkens twice.
+TEST(ObjectFactor, InAValleyNothingIsDarkenedTwice)
+{
+    OTL_NEED_GL(context);
+    const ObjectShape house = box({40, 40, 2}, {2.5, 4, 4}, 0.3);
+    LitPlane plane;
+    plane.settings.azimuths = 64;
+    for (int row = 0; row < 41; ++row)
+        for (int column = 0; column < 41; ++column)
+            plane.ground.setHeight(column, row, float(valley(2.0 * column)));
+    const auto clusters = clusterObjects({house}, 0.25, 8);
+    ASSERT_EQ(clusters.size(), 1u);
+    TileObject object;
+    const Raster<osg::Vec4f> factor = factorOf(context->state(), plane, clusters.front(), object);
+    double squares = 0.0, count = 0.0;
+    for (int y = 20; y < 60; y += 3)
+        for (int x = 20; x < 60; x += 3)
+        {
+            glm::dvec3 place(object.first + object.pitch * glm::dvec2(x, y), 0.0);
+            place.z = valley(place.x);
+            // At the bottom the ground has two normals.
+            if (distanceTo(house, place) < 0.25 || std::abs(place.x - 40.0) < 2.5)
+                continue;
+            const double alone = valleyLight(place, nullptr);
+            const double error = double(factor.at(x, y).x()) * alone - valleyLight(place, &house);
+            squares += error * error;
+            count += 1.0;
+        }
+    const double rms = std::sqrt(squares / count);
+    std::printf("RMS %.2f %% of open level ground's light, %d places\n", 100.0 * rms, int(count));
+    EXPECT_LE(rms, 0.03); // what is asked
+}

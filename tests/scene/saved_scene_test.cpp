@@ -7,6 +7,7 @@
 #include "terrain/TerrainModel.h"
 
 #include <osgTerrainLight/LightingHandler.h>
+#include <osgTerrainLight/PlacedObject.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include <osgDB/ReadFile>
@@ -278,5 +279,37 @@ TEST(SavedScene, SaysWhichUnitOrLayerIsNotLegal)
         EXPECT_EQ(read->getGlossUnit(), ShadingTexture::glossUnit);
         EXPECT_EQ(read->getGlossLayer(), -1);
         EXPECT_EQ(read->getTimeBudget(), 50.0);
+    }
+}
+
+TEST(SavedScene, KeepsPlacedObjects)
+{
+    useOwnPlugins();
+    const fs::path folder = testFolder();
+    for (const char* extension : extensions)
+    {
+        SCOPED_TRACE(extension);
+        osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
+        using Field = PlacedObject::Field;
+        const Field fields[] = {Field::Automatic, Field::Box,  Field::Ellipsoid,
+                                Field::Cylinder,  Field::Mesh, Field::None};
+        for (const Field field : fields)
+        {
+            osg::ref_ptr<PlacedObject> object = new PlacedObject;
+            object->setField(field);
+            lighting->addChild(object);
+        }
+        const std::string path = (folder / (std::string("objects.") + extension)).string();
+        ASSERT_TRUE(osgDB::writeNodeFile(*lighting, path));
+        const osg::ref_ptr<TerrainLighting> read = readScene(path);
+        ASSERT_TRUE(read.valid());
+        ASSERT_EQ(read->getNumChildren(), std::size(fields));
+        for (unsigned i = 0; i < std::size(fields); ++i)
+        {
+            const auto* object = dynamic_cast<PlacedObject*>(read->getChild(i));
+            ASSERT_TRUE(object);
+            EXPECT_EQ(object->getField(), fields[i]);
+            EXPECT_EQ(object->getNumChildrenRequiringUpdateTraversal(), 1u);
+        }
     }
 }

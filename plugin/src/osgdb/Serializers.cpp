@@ -7,6 +7,7 @@
 #include "scene/TileUnits.h"
 #include <osgTerrainLight/Environment.h>
 #include <osgTerrainLight/LightingHandler.h>
+#include <osgTerrainLight/PlacedObject.h>
 #include <osgTerrainLight/SunPosition.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
@@ -306,6 +307,26 @@ osg::Object* createHandler()
 }
 
 void addHandlerProperties(osgDB::ObjectWrapper*) {}
+
+osg::Object* createObject()
+{
+    return new PlacedObject;
+}
+
+void addObjectProperties(osgDB::ObjectWrapper* wrapper)
+{
+    using Field = PlacedObject::Field;
+    osg::ref_ptr<osgDB::EnumSerializer<PlacedObject, Field, void>> field =
+        new osgDB::EnumSerializer<PlacedObject, Field, void>(
+            "Field", Field::Automatic, &PlacedObject::getField, &PlacedObject::setField);
+    field->add("AUTOMATIC", Field::Automatic);
+    field->add("BOX", Field::Box);
+    field->add("ELLIPSOID", Field::Ellipsoid);
+    field->add("CYLINDER", Field::Cylinder);
+    field->add("MESH", Field::Mesh);
+    field->add("NONE", Field::None);
+    wrapper->addSerializer(field, osgDB::BaseSerializer::RW_ENUM);
+}
 } // namespace
 
 void registerSerializers()
@@ -319,6 +340,9 @@ void registerSerializers()
         createHandler, "osgTerrainLight::LightingHandler",
         "osg::Object osg::Callback osg::NodeCallback osgTerrainLight::LightingHandler",
         addHandlerProperties);
+    static const osgDB::RegisterWrapperProxy object(
+        createObject, "osgTerrainLight::PlacedObject",
+        "osg::Object osg::Node osg::Group osgTerrainLight::PlacedObject", addObjectProperties);
     warnOfLostLight();
 }
 
