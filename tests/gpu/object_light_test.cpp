@@ -128,6 +128,24 @@ TEST(ObjectVolume, ComputesOnlyTheBricksThatAnObjectReaches)
     EXPECT_LT(greatestDifference(volume.run(context->state()), expected(clusters.front())), stored);
 }
 
+// A context that is released and used again has nothing of what was computed before.
+TEST(ObjectVolume, IsMadeAnewAfterARelease)
+{
+    OTL_NEED_GL(context);
+    std::vector<ObjectShape> shapes = {box({2, 2, 1}, {1, 1, 1}), box({28, 28, 1}, {1, 1, 1})};
+    auto clusters = clusterObjects(shapes, 0.25, 8);
+    VolumeGraph volume(clusters.front());
+    volume.run(context->state());
+    volume.graph.releaseGLObjects(&context->state());
+    shapes[1] = box({27, 28, 1}, {1, 1, 1});
+    clusters = clusterObjects(shapes, 0.25, 8, clusters);
+    ASSERT_TRUE(volume.node->cluster().sameVolume(clusters.front()));
+    volume.node->set(clusters.front());
+    EXPECT_LT(greatestDifference(volume.run(context->state()), expected(clusters.front())), stored);
+    const glm::ivec3 count = clusters.front().voxels / ObjectCluster::brick;
+    EXPECT_EQ(volume.node->bricks(), std::size_t(count.x * count.y * count.z));
+}
+
 namespace
 {
 

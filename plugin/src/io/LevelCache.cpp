@@ -1,5 +1,6 @@
 #include "io/LevelCache.h"
 
+#include "io/CacheFolder.h"
 #include "io/GdalErrors.h"
 #include "io/InputFiles.h"
 #include "io/PendingFile.h"
@@ -36,16 +37,6 @@ std::string absolute(const std::string& path)
     std::error_code failure;
     const fs::path result = fs::weakly_canonical(path, failure);
     return failure || path.compare(0, 4, "/vsi") == 0 ? path : result.string();
-}
-
-/// Of this user; empty where the system tells of none.
-std::string userFolder()
-{
-    if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && cache[0] == '/')
-        return std::string(cache) + "/osgterrainlight";
-    if (const char* home = std::getenv("HOME"); home && home[0] == '/')
-        return std::string(home) + "/.cache/osgterrainlight";
-    return {};
 }
 
 /// Removes what a program that was killed left of this file: one that nobody has written to for an
@@ -129,7 +120,7 @@ std::vector<std::string> LevelCache::places() const
     VSIStatBufL stat;
     if (hasFolder && VSIStatL(path.c_str(), &stat) == 0)
         result.push_back(path + variant + suffix);
-    if (const std::string user = userFolder(); !user.empty())
+    if (const std::string user = userCacheFolder(); !user.empty())
         result.push_back((fs::path(user) / hidden).string());
     return result;
 }

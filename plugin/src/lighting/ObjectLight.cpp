@@ -12,6 +12,8 @@ using Lock = std::lock_guard<std::mutex>;
 
 /// Ground around objects whose light they change, over their height.
 constexpr double aroundHeight = 3.0;
+/// Of a shadow, over the object's height.
+constexpr double longestShadow = 8.0;
 /// Texels of the factor along a side, at most.
 constexpr int mostTexels = 256;
 } // namespace
@@ -80,8 +82,22 @@ void ObjectLight::resizeGLObjectBuffers(unsigned size)
     _graph.resizeGLObjectBuffers(size);
 }
 
+glm::dvec2 shadowReach(const SkyLight& sky)
+{
+    const std::array<double, 3> sun = sky.sunDirection();
+    if (!sky.sunEnabled || sky.sunElevation <= 0.0)
+        return glm::dvec2(0.0);
+    const glm::dvec2 level(-sun[0], -sun[1]);
+    const double length = glm::length(level);
+    if (length < 1.0e-9)
+        return glm::dvec2(0.0);
+    const glm::dvec2 reach = level * (std::min(length / sun[2], longestShadow) / length);
+    const glm::dvec2 step(0.5);
+    return glm::sign(reach) * glm::ceil(glm::abs(reach) / step) * step;
+}
+
 TileObjects objectsOn(const std::vector<ObjectLight::Placed>& placed, const glm::dvec3& corner,
-                      const DemTile& tile)
+                      const DemTile& tile, const glm::dvec2& shadows)
 {
     TileObjects objects;
     int row = 0;
@@ -95,10 +111,13 @@ TileObjects objectsOn(const std::vector<ObjectLight::Placed>& placed, const glm:
         object.voxel = cluster.voxel;
         object.low = cluster.content.low - corner;
         object.high = cluster.content.high - corner;
-        const double around = aroundHeight * (object.high.z - object.low.z);
+        const double tall = object.high.z - object.low.z;
+        const glm::dvec2 shadow = tall * shadows;
         // Texels lie on a grid of the tile's, so that they do not move with what grows.
-        const glm::dvec2 low = glm::dvec2(object.low) - around;
-        const glm::dvec2 high = glm::dvec2(object.high) + around;
+        const glm::dvec2 low =
+            glm::dvec2(object.low) + glm::min(shadow, glm::dvec2(-aroundHeight * tall));
+        const glm::dvec2 high =
+            glm::dvec2(object.high) + glm::max(shadow, glm::dvec2(aroundHeight * tall));
         const double longest = std::max(high.x - low.x, high.y - low.y);
         object.pitch = cluster.voxel;
         while (longest / object.pitch > mostTexels - 2)

@@ -6,6 +6,7 @@
 #include "lighting/nodes/ObjectVolumeNode.h"
 
 #include <osgTerrainLight/DemTile.h>
+#include <osgTerrainLight/SkyLight.h>
 
 #include <osg/Referenced>
 
@@ -61,10 +62,15 @@ private:
     WorkGraph _graph;
 };
 
+/// How far shadows of objects reach per metre of their height, away from the sun, in whole steps,
+/// so that they seldom change while the sun moves; 0 without a sun. At most eight heights: longer
+/// shadows fade out there.
+glm::dvec2 shadowReach(const SkyLight& sky);
+
 /// What of a tile's ground objects of a cluster may change the light of. corner: of the lit tile's
 /// post (0, 0), at its heightOrigin, in the scene [m]. Nothing where the tile is too far away: it
-/// ends three of the objects' heights beyond them, and longer shadows are cut there.
+/// ends three of the objects' heights beyond them, and where their shadows do.
 TileObjects objectsOn(const std::vector<ObjectLight::Placed>& placed, const glm::dvec3& corner,
-                      const DemTile& tile);
+                      const DemTile& tile, const glm::dvec2& shadows);
 
 } // namespace osgTerrainLight

@@ -1,7 +1,5 @@
 #include "scene/ObjectField.h"
 
-#include "fields/MeshField.h"
-
 #include <osg/ComputeBoundsVisitor>
 #include <osg/Notify>
 #include <osg/ShapeDrawable>
@@ -9,7 +7,6 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include <chrono>
 #include <utility>
 
 namespace osgTerrainLight
@@ -123,7 +120,7 @@ std::optional<ObjectShape> ObjectField::shape(osg::Group& object)
         _bound = bound;
         make(object);
     }
-    takeBaked();
+    takeSampled();
     return _shape;
 }
 
@@ -131,8 +128,7 @@ void ObjectField::make(osg::Group& object)
 {
     _isDirty = false;
     _shape.reset();
-    // A mesh that is still being sampled is of a form that is gone: its future is waited for where
-    // the next one is put in its place.
+    _sampling = nullptr; // of a form that is gone
     using Field = PlacedObject::Field;
     if (field == Field::None)
         return;
@@ -159,42 +155,23 @@ void ObjectField::make(osg::Group& object)
                        ? glm::dvec3(0.5 * (half.x + half.y), 0.5 * (half.x + half.y), half.z)
                        : half);
     if (field == Field::Mesh || field == Field::Automatic)
-        startBaking(object);
+        startSampling(object);
 }
 
-void ObjectField::startBaking(osg::Group& object)
+void ObjectField::startSampling(osg::Group& object)
 {
-    auto parts = std::make_shared<PartCollector>(true);
-    object.accept(*parts);
-    _baking = std::async(
-        std::launch::async,
-        [mesh = std::move(parts->mesh),
-         name = object.getName()]() -> std::shared_ptr<const DistanceGrid>
-        {
-            BakeOptions options;
-            options.cells = 48;
-            const Result<BakedField> baked = bakeMesh(mesh, options);
-            if (!baked)
-            {
-                OSG_WARN << "osgTerrainLight: object '" << name
-                         << "' changes light as its box does: " << baked.error().message
-                         << std::endl;
-                return nullptr;
-            }
-            if (!baked->isWellSigned())
-                OSG_WARN << "osgTerrainLight: object '" << name
-                         << "': inside and outside of its mesh cannot be told apart well; its "
-                            "shadow may have holes"
-                         << std::endl;
-            return std::make_shared<const DistanceGrid>(baked->grid);
-        });
+    PartCollector parts(true);
+    object.accept(parts);
+    if (!parts.mesh.triangles.empty())
+        _sampling = sampleMesh(std::move(parts.mesh), object.getName());
 }
 
-void ObjectField::takeBaked()
+void ObjectField::takeSampled()
 {
-    if (!_baking.valid() || _baking.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+    if (!_sampling || !_sampling->isDone())
         return;
-    const std::shared_ptr<const DistanceGrid> grid = _baking.get();
+    const std::shared_ptr<const DistanceGrid> grid = _sampling->grid();
+    _sampling = nullptr;
     if (!grid || !_shape)
         return;
     ObjectShape mesh;

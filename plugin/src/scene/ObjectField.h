@@ -1,11 +1,11 @@
 #pragma once
 
 #include "fields/ObjectShape.h"
+#include "scene/MeshFields.h"
 #include <osgTerrainLight/PlacedObject.h>
 
 #include <osg/Matrixd>
 
-#include <future>
 #include <memory>
 #include <optional>
 
@@ -22,21 +22,20 @@ public:
     PlacedObject::Field field = PlacedObject::Field::Automatic;
 
     void dirty() { _isDirty = true; }
-    bool isReady() const { return !_isDirty && !_baking.valid(); }
+    bool isReady() const { return !_isDirty && !_sampling; }
 
     /// As it is now; none where there is nothing to be seen, or none is wanted.
     std::optional<ObjectShape> shape(osg::Group& object);
 
 private:
     void make(osg::Group& object);
-    void startBaking(osg::Group& object);
-    void takeBaked();
+    void startSampling(osg::Group& object);
+    void takeSampled();
 
     bool _isDirty = true;
     osg::BoundingSphere _bound; ///< of the object, when the shape was made
     std::optional<ObjectShape> _shape;
-    /// Null grid: it could not be made, and has been said.
-    std::future<std::shared_ptr<const DistanceGrid>> _baking;
+    std::shared_ptr<const MeshSampling> _sampling; ///< null: it is no mesh, or has been taken
 };
 
 } // namespace osgTerrainLight

@@ -94,7 +94,8 @@ void ObjectRegistry::see(PlacedObject& object, const osg::Matrixd& toScene)
     _seen.push_back(std::move(*shape));
 }
 
-bool ObjectRegistry::follow(ObjectLight& light, const TileRegistry& tiles, const osg::Group& root)
+bool ObjectRegistry::follow(ObjectLight& light, const TileRegistry& tiles, const osg::Group& root,
+                            const SkyLight& sky)
 {
     const auto toWorld = [](const osg::Node& node)
     {
@@ -113,7 +114,9 @@ bool ObjectRegistry::follow(ObjectLight& light, const TileRegistry& tiles, const
     bool changed = light.set(shapes);
     if (light.placed().empty() && !changed)
         return false;
-    const bool all = changed;
+    const glm::dvec2 shadows = shadowReach(sky);
+    const bool all = changed || shadows != _shadows;
+    _shadows = shadows;
     tiles.forEach(
         [&](const SceneTile& tile)
         {
@@ -130,7 +133,7 @@ bool ObjectRegistry::follow(ObjectLight& light, const TileRegistry& tiles, const
             const glm::dvec3 corner(tile.corner->x() - margin.west * dem.nominalEastSpacing(),
                                     tile.corner->y() - margin.south * dem.northSpacing,
                                     tile.corner->z() + dem.heightOrigin);
-            changed = ground.setObjects(objectsOn(light.placed(), corner, dem)) || changed;
+            changed = ground.setObjects(objectsOn(light.placed(), corner, dem, shadows)) || changed;
         });
     if (light.placed().empty())
         _told.clear();

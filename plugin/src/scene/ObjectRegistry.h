@@ -27,7 +27,8 @@ public:
 
     /// After the traversal: what has come, gone or moved goes to the light of the objects and of
     /// the tiles that they stand on. Whether that changes any. root: the TerrainLighting.
-    bool follow(ObjectLight& light, const TileRegistry& tiles, const osg::Group& root);
+    bool follow(ObjectLight& light, const TileRegistry& tiles, const osg::Group& root,
+                const SkyLight& sky);
 
     std::size_t size() const { return _count; }
 
@@ -35,6 +36,7 @@ private:
     std::vector<osg::ref_ptr<PlacedObject>> _given;
     std::vector<ObjectShape> _seen; ///< in this traversal
     std::size_t _count = 0;         ///< of the last
+    glm::dvec2 _shadows{0.0};       ///< that tiles were told of
     std::map<TileHandle, osg::observer_ptr<LitTile>> _told;
 };
 

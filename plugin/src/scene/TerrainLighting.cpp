@@ -132,7 +132,7 @@ void TerrainLighting::Implementation::update(unsigned updatesBelow, const osg::F
     terrain.fades.update(stamp);
     if (probes.follow(registry))
         scheduler->touch();
-    if (objects.follow(scheduler->objects(), registry, owner))
+    if (objects.follow(scheduler->objects(), registry, owner, sky))
         scheduler->touch();
     if (!scheduler->isDone())
         registry.forEach(

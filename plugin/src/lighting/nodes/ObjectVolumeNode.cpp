@@ -130,6 +130,9 @@ Status ObjectVolumeNode::run(osg::State& state)
     const glm::ivec3 count = _cluster.voxels / ObjectCluster::brick;
     const auto all = static_cast<std::size_t>(count.x * count.y * count.z);
     Written& written = _written[state.getContextID()];
+    // Nothing is in a texture that has been released, or made anew.
+    if (!_volume->texture()->getTextureObject(state.getContextID()))
+        written = {};
     Bricks bricks = written.unfinished;
     bricks.resize(all, !written.any);
     const auto differs = [](const ObjectShape& shape, const std::vector<ObjectShape>& others)
