@@ -125,6 +125,15 @@ void ObjectVolumeNode::setShapes()
     _isSet = true;
 }
 
+void ObjectVolumeNode::forget(unsigned context)
+{
+    _complete.remove(context);
+    if (context == ~0u)
+        _written.clear();
+    else
+        _written.erase(context);
+}
+
 Status ObjectVolumeNode::run(osg::State& state)
 {
     const glm::ivec3 count = _cluster.voxels / ObjectCluster::brick;
@@ -161,6 +170,7 @@ Status ObjectVolumeNode::run(osg::State& state)
             return done;
     }
     written.unfinished.clear();
+    _complete.add(state.getContextID());
     return Nothing{};
 }
 
