@@ -25,14 +25,18 @@ uniform uint osgTerrainLight_objectAround[32];
 vec3 terrainOutside(DistanceField field, vec3 place, vec3 normal)
 {
     vec3 outside = place;
-    for (int step = 0; step < 16; ++step)
+    // A voxel above a surface the distance is a voxel, less in corners, and about 0 where two
+    // surfaces touch, but for rounding and interpolation: only below that it lies within.
+    Length least = -0.25 * field.voxel;
+    for (int step = 0; step < 32; ++step)
     {
         Length ahead =
             objectDistance(osgTerrainLight_objectVolume, field, outside + normal * field.voxel).x;
-        // Rounding and interpolation take less than a quarter of a voxel at edges.
-        if (ahead > -0.25 * field.voxel)
+        if (ahead > least)
             break;
-        outside += normal * max(-ahead, field.voxel);
+        // Then on until it is outside, but for the sixteenth of a voxel that 8 bits step by.
+        least = 0.9 * field.voxel;
+        outside += normal * max(field.voxel - ahead, 0.25 * field.voxel);
     }
     return outside;
 }
@@ -68,8 +72,8 @@ vec3 terrainAmongObjects(DistanceField field, vec3 place, vec3 normal)
 }
 
 // place, normal: in eye coordinates, gl_ModelViewMatrix * gl_Vertex and gl_NormalMatrix *
-// gl_Normal, of any length but 0. rgb: irradiance / pi, scene-linear, a: visible fraction of the sun. All 1
-// where there is no light for the object.
+// gl_Normal, of any length but 0. rgb: irradiance / pi, scene-linear, a: visible fraction of the
+// sun. All 1 where there is no light for the object.
 vec4 terrainObjectLight(vec3 place, vec3 normal)
 {
     if (!osgTerrainLight_objectLit)

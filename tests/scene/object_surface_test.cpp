@@ -191,6 +191,18 @@ TEST(ObjectSurface, AWallThatFacesAnotherIsDarker)
         }
 }
 
+// A roof 2 m within the box that a mast upon it makes of the object: the light above that box.
+TEST(ObjectSurface, WithinItsFieldIsLitAsOutside)
+{
+    OTL_NEED_GL(context);
+    const osg::ref_ptr<PlacedObject> object = house.object();
+    object->addChild(Box{{3.75, 3.75, 5.0}, {0.25, 0.25, 1.0}}.object()->getChild(0));
+    object->setField(PlacedObject::Field::Box);
+    Plain plain({object});
+    EXPECT_NEAR(plain.lightAt(0.0, 0.0), radiance, 0.02 * radiance);
+    EXPECT_NEAR(plain.lightAt(-2.5, -2.5), radiance, 0.02 * radiance);
+}
+
 TEST(ObjectSurface, RedGroundShowsOnItsSides)
 {
     OTL_NEED_GL(context);
