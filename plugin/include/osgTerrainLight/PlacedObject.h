@@ -3,6 +3,7 @@
 #include <osgTerrainLight/Export.h>
 
 #include <osg/Group>
+#include <osg/Shader>
 
 #include <memory>
 
@@ -14,8 +15,13 @@ namespace osgTerrainLight
 /// TerrainLighting, or elsewhere in the scene and is given to TerrainLighting::addObject(). It may
 /// move in every frame, by any transform above it.
 ///
-/// What it does to light is computed from a distance field. Its own surfaces are drawn as they are:
-/// a LightProbe lights them.
+/// What it does to light is computed from a distance field. Its own surfaces are lit, too, where
+/// the middle of its bounds is over a tile that is lit: by a light probe in that middle, which
+/// TerrainLighting makes, and by what the field of all objects around leaves of its light. Parts
+/// without a shader, below and above, get a default program, which takes the colours of vertices or
+/// of the osg::Material, as the material's colour mode says, and the texture of unit 0.
+/// TerrainLighting::setDefaultProgramEnabled() switches it off. Other shaders may call
+/// terrain_objects.glsl. Nothing is put on the application's StateSets.
 ///
 /// Call all methods where the scene graph may be changed: in the update or event traversal, or
 /// between frames.
@@ -40,14 +46,20 @@ public:
                   /// and need not be closed. It is a box until that is done, and where the library
                   /// was built without Embree.
         Mesh,
-        None ///< It changes no light.
+        None ///< It changes no light; its surfaces are lit by the probe alone.
     };
     /// The default is Automatic.
     void setField(Field field);
     Field getField() const;
 
-    /// Says that what is below has changed its form. Children that come and go are seen without.
+    /// Says that what is below has changed its form, or its materials. Children that come and go
+    /// are seen without.
     void dirtyField();
+
+    /// The texture unit of the volume of distances, and the sampler3D that reads it. The maps of
+    /// the probe are in LightProbe::diffuseUnit and glossyUnit.
+    static constexpr unsigned volumeUnit = 12;
+    static constexpr const char* volumeSampler = "osgTerrainLight_objectVolume";
 
     /// Whether its distances are those that the field asks for: a mesh has been sampled.
     bool isFieldReady() const;
@@ -62,5 +74,11 @@ private:
     struct Implementation;
     std::unique_ptr<Implementation> _implementation;
 };
+
+/// Makes terrain_objects.glsl, and the library that it calls, a shader that an application adds to
+/// its own program for placed objects. It has vec4 terrainObjectLight(vec3 place, vec3 normal).
+/// version: of GLSL, as in #version, ≥ 330.
+OSGTERRAINLIGHT_EXPORT osg::ref_ptr<osg::Shader> createObjectShader(osg::Shader::Type type,
+                                                                    int version = 330);
 
 } // namespace osgTerrainLight

@@ -74,6 +74,8 @@ void ObjectLight::releaseGLObjects(osg::State* state)
 {
     Lock computing(_computing);
     _graph.releaseGLObjects(state);
+    for (const Placed& placed : _placed)
+        placed.node->forget(state ? state->getContextID() : ~0u);
 }
 
 void ObjectLight::resizeGLObjectBuffers(unsigned size)

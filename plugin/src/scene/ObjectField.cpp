@@ -45,8 +45,14 @@ public:
         : osg::NodeVisitor(TRAVERSE_ACTIVE_CHILDREN), _triangles(triangles)
     {
     }
+    void apply(osg::Node& node) override
+    {
+        noteMaterial(node);
+        traverse(node);
+    }
     void apply(osg::Drawable& drawable) override
     {
+        noteMaterial(drawable);
         // The object itself is first in the path.
         const osg::NodePath below(getNodePath().begin() + 1, getNodePath().end());
         toObject = osg::computeLocalToWorld(below);
@@ -63,8 +69,19 @@ public:
     const osg::Drawable* last = nullptr;
     osg::Matrixd toObject; ///< of the last
     int count = 0;
+    bool hasMaterials = false, ownMaterials = false;
 
 private:
+    void noteMaterial(const osg::Node& node)
+    {
+        const osg::StateSet* stateSet = node.getStateSet();
+        const auto* material = stateSet ? dynamic_cast<const osg::Material*>(
+                                              stateSet->getAttribute(osg::StateAttribute::MATERIAL))
+                                        : nullptr;
+        hasMaterials = hasMaterials || material;
+        ownMaterials = ownMaterials || (material && isOwnColour(*material));
+    }
+
     bool _triangles;
 };
 
@@ -112,6 +129,12 @@ glm::dmat4 toGlm(const osg::Matrixd& matrix)
     return result;
 }
 
+bool isOwnColour(const osg::Material& material)
+{
+    return material.getColorMode() != osg::Material::DIFFUSE &&
+           material.getColorMode() != osg::Material::AMBIENT_AND_DIFFUSE;
+}
+
 std::optional<ObjectShape> ObjectField::shape(osg::Group& object)
 {
     const osg::BoundingSphere& bound = object.getBound();
@@ -130,10 +153,12 @@ void ObjectField::make(osg::Group& object)
     _shape.reset();
     _sampling = nullptr; // of a form that is gone
     using Field = PlacedObject::Field;
-    if (field == Field::None)
-        return;
     PartCollector parts(false);
     object.accept(parts);
+    _hasMaterials = parts.hasMaterials;
+    _ownMaterials = parts.ownMaterials;
+    if (field == Field::None)
+        return;
     if (parts.count == 0)
         return;
     if (field == Field::Automatic)

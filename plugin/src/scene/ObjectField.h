@@ -4,6 +4,7 @@
 #include "scene/MeshFields.h"
 #include <osgTerrainLight/PlacedObject.h>
 
+#include <osg/Material>
 #include <osg/Matrixd>
 
 #include <memory>
@@ -14,6 +15,9 @@ namespace osgTerrainLight
 
 /// The same matrix.
 glm::dmat4 toGlm(const osg::Matrixd& matrix);
+
+/// Whether the colour of surfaces is that of the material, not that of vertices.
+bool isOwnColour(const osg::Material& material);
 
 /// The shape of an object in its own frame, made from what is drawn below it. In update traversal.
 class ObjectField
@@ -27,12 +31,18 @@ public:
     /// As it is now; none where there is nothing to be seen, or none is wanted.
     std::optional<ObjectShape> shape(osg::Group& object);
 
+    /// As of the last shape(): whether there are materials below, and whether the colours of some
+    /// are their own.
+    bool hasMaterials() const { return _hasMaterials; }
+    bool ownMaterials() const { return _ownMaterials; }
+
 private:
     void make(osg::Group& object);
     void startSampling(osg::Group& object);
     void takeSampled();
 
     bool _isDirty = true;
+    bool _hasMaterials = false, _ownMaterials = false;
     osg::BoundingSphere _bound; ///< of the object, when the shape was made
     std::optional<ObjectShape> _shape;
     std::shared_ptr<const MeshSampling> _sampling; ///< null: it is no mesh, or has been taken

@@ -4,6 +4,7 @@
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include <osg/Transform>
+#include <osgUtil/CullVisitor>
 
 #include <algorithm>
 
@@ -13,6 +14,11 @@ namespace osgTerrainLight
 struct PlacedObject::Implementation
 {
     ObjectField field;
+    /// At its places below a TerrainLighting, or in the scene where that was given it.
+    std::map<const osg::Group*, std::vector<osg::ref_ptr<ObjectSurface>>> surfaces;
+
+    /// What lights it where the cull traversal is now; null where nothing does.
+    const ObjectSurface* surfaceAt(const osg::NodePath& path, bool& isBelow) const;
 };
 
 PlacedObject::PlacedObject() : _implementation(new Implementation)
@@ -52,8 +58,39 @@ bool PlacedObject::isFieldReady() const
     return _implementation->field.isReady();
 }
 
+const ObjectSurface* PlacedObject::Implementation::surfaceAt(const osg::NodePath& path,
+                                                             bool& isBelow) const
+{
+    if (surfaces.empty())
+        return nullptr;
+    const auto root = std::find_if(path.rbegin(), path.rend(),
+                                   [](const osg::Node* node)
+                                   { return dynamic_cast<const TerrainLighting*>(node); });
+    isBelow = root != path.rend();
+    const auto found = isBelow ? surfaces.find((*root)->asGroup()) : surfaces.begin();
+    if (found == surfaces.end() || found->second.empty())
+        return nullptr;
+    if (found->second.size() == 1 || !isBelow)
+        return found->second.front();
+    const osg::Matrixd toScene = osg::computeLocalToWorld(osg::NodePath(root.base(), path.end()));
+    for (const auto& surface : found->second)
+        if (surface->toScene == toScene)
+            return surface;
+    return nullptr;
+}
+
 void PlacedObject::traverse(osg::NodeVisitor& visitor)
 {
+    if (osgUtil::CullVisitor* cull = visitor.asCullVisitor())
+    {
+        bool isBelow = false;
+        const ObjectSurface* surface = _implementation->surfaceAt(visitor.getNodePath(), isBelow);
+        const int pushed = surface ? surface->push(*cull, isBelow) : 0;
+        osg::Group::traverse(visitor);
+        for (int i = 0; i < pushed; ++i)
+            cull->popStateSet();
+        return;
+    }
     osg::Group::traverse(visitor);
     if (visitor.getVisitorType() != osg::NodeVisitor::UPDATE_VISITOR)
         return;
@@ -87,15 +124,51 @@ bool ObjectRegistry::remove(const PlacedObject* object)
 
 void ObjectRegistry::see(PlacedObject& object, const osg::Matrixd& toScene)
 {
-    std::optional<ObjectShape> shape = object._implementation->field.shape(object);
-    if (!shape)
+    ObjectField& field = object._implementation->field;
+    ObjectSurfaces::Seen seen;
+    seen.object = &object;
+    seen.toScene = toScene;
+    seen.shape = field.shape(object);
+    seen.hasMaterials = field.hasMaterials();
+    seen.ownMaterials = field.ownMaterials();
+    const osg::BoundingSphere& bound = object.getBound();
+    if (seen.shape)
+    {
+        seen.shape->toScene = toGlm(toScene) * seen.shape->toScene;
+        seen.bounds = boundsOf(*seen.shape);
+    }
+    else if (bound.valid())
+    {
+        const osg::Vec3d middle = osg::Vec3d(bound.center()) * toScene;
+        const glm::dvec3 at(middle.x(), middle.y(), middle.z());
+        seen.bounds = {at - double(bound.radius()), at + double(bound.radius())};
+    }
+    else
         return;
-    shape->toScene = toGlm(toScene) * shape->toScene;
-    _seen.push_back(std::move(*shape));
+    _seen.push_back(std::move(seen));
 }
 
-bool ObjectRegistry::follow(ObjectLight& light, const TileRegistry& tiles, const osg::Group& root,
-                            const SkyLight& sky)
+ObjectRegistry::~ObjectRegistry()
+{
+    takeSurfaces();
+}
+
+void ObjectRegistry::takeSurfaces()
+{
+    for (const ObjectSurfaces::Object& each : _surfaces.objects())
+        if (osg::ref_ptr<PlacedObject> object; each.object.lock(object))
+            object->_implementation->surfaces.erase(_root);
+}
+
+void ObjectRegistry::giveSurfaces(const osg::Group* root)
+{
+    _root = root;
+    for (const ObjectSurfaces::Object& each : _surfaces.objects())
+        each.object->_implementation->surfaces[root].push_back(each.surface);
+}
+
+bool ObjectRegistry::follow(ObjectLight& light, const TileRegistry& tiles, ProbeList& probes,
+                            const osg::Group& root, const SkyLight& sky)
 {
     const auto toWorld = [](const osg::Node& node)
     {
@@ -109,9 +182,15 @@ bool ObjectRegistry::follow(ObjectLight& light, const TileRegistry& tiles, const
             see(*object, toWorld(*object) * toScene);
     }
     std::vector<ObjectShape> shapes;
-    shapes.swap(_seen);
+    for (const ObjectSurfaces::Seen& seen : _seen)
+        if (seen.shape)
+            shapes.push_back(*seen.shape);
     _count = shapes.size();
     bool changed = light.set(shapes);
+    takeSurfaces();
+    _surfaces.follow(_seen, light, tiles, probes);
+    giveSurfaces(&root);
+    _seen.clear();
     if (light.placed().empty() && !changed)
         return false;
     const glm::dvec2 shadows = shadowReach(sky);

@@ -25,12 +25,13 @@ ProbePlace placeOf(const LightProbe& probe, const LitTile& lit)
 }
 } // namespace
 
-bool ProbeList::add(LightProbe& probe, const TileHandle& tile)
+bool ProbeList::add(LightProbe& probe, const TileHandle& tile,
+                    const std::shared_ptr<ContextSet>& written)
 {
     if (std::any_of(_probes.begin(), _probes.end(),
                     [&](const Entry& entry) { return entry.probe == &probe; }))
         return false;
-    _probes.push_back({&probe, tile, 0, nullptr});
+    _probes.push_back({&probe, tile, written, 0, nullptr});
     _changed = true;
     return true;
 }
@@ -60,7 +61,11 @@ bool ProbeList::follow(const TileRegistry& registry)
         places.clear();
     for (const Entry& entry : _probes)
         if (entry.lit)
-            _places[entry.lit].push_back(placeOf(*entry.probe, *entry.lit));
+        {
+            ProbePlace place = placeOf(*entry.probe, *entry.lit);
+            place.written = entry.written;
+            _places[entry.lit].push_back(std::move(place));
+        }
     for (auto i = _places.begin(); i != _places.end();)
     {
         i->first->lighting().setProbes(i->second);

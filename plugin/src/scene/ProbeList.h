@@ -4,6 +4,7 @@
 #include <osgTerrainLight/LightProbe.h>
 
 #include <map>
+#include <memory>
 #include <vector>
 
 namespace osgTerrainLight
@@ -14,8 +15,9 @@ namespace osgTerrainLight
 class ProbeList
 {
 public:
-    /// False where it is in the list.
-    bool add(LightProbe& probe, const TileHandle& tile);
+    /// False where it is in the list. written: takes up the contexts in which its maps are there.
+    bool add(LightProbe& probe, const TileHandle& tile,
+             const std::shared_ptr<ContextSet>& written = {});
     void remove(const LightProbe* probe);
     bool empty() const { return _probes.empty(); }
 
@@ -27,6 +29,7 @@ private:
     {
         osg::ref_ptr<LightProbe> probe;
         TileHandle tile;
+        std::shared_ptr<ContextSet> written;
         unsigned revision = 0;     ///< of the probe, when it was handed on
         osg::ref_ptr<LitTile> lit; ///< that it was handed on to
     };

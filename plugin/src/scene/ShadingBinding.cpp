@@ -3,6 +3,7 @@
 #include "gpu/ShaderLibrary.h"
 #include <osgTerrainLight/DynamicTerrain.h>
 #include <osgTerrainLight/LightProbe.h>
+#include <osgTerrainLight/PlacedObject.h>
 
 #include <algorithm>
 #include <cassert>
@@ -80,6 +81,14 @@ osg::ref_ptr<osg::Shader> glossShader(osg::Shader::Type type, const std::string&
         version);
 }
 
+osg::ref_ptr<osg::Shader> objectShader(osg::Shader::Type type, const std::string& version)
+{
+    return composedShader(
+        type,
+        {"preamble.glsl", "lib/angle.glsl", "lib/object_light.glsl", "host/terrain_objects.glsl"},
+        version);
+}
+
 void addGloss(osg::Program& program, const std::string& version)
 {
     program.addShader(hostShader(osg::Shader::VERTEX, "viewer_direction.vert", version));
@@ -103,6 +112,22 @@ osg::ref_ptr<osg::Shader> createShadingShader(osg::Shader::Type type, int versio
 osg::ref_ptr<osg::Shader> createGlossShader(osg::Shader::Type type, int version)
 {
     return glossShader(type, std::to_string(version));
+}
+
+osg::ref_ptr<osg::Shader> createObjectShader(osg::Shader::Type type, int version)
+{
+    return objectShader(type, std::to_string(version));
+}
+
+osg::ref_ptr<osg::Program> createObjectProgram()
+{
+    const std::string version = "330 compatibility";
+    osg::ref_ptr<osg::Program> program = new osg::Program;
+    program->setName("osgTerrainLight default object");
+    program->addShader(hostShader(osg::Shader::VERTEX, "default_object.vert", version));
+    program->addShader(objectShader(osg::Shader::FRAGMENT, version));
+    program->addShader(colourShader("default_object.frag", version));
+    return program;
 }
 
 osg::ref_ptr<osg::Shader> createHeightShader(osg::Shader::Type type, int version)

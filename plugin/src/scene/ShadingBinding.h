@@ -122,6 +122,9 @@ osg::ref_ptr<osg::Program> createDefaultProgram(bool glossy = false);
 /// The same for DynamicTerrain, which it displaces; without light where !lit. Needs OpenGL 3.3.
 osg::ref_ptr<osg::Program> createDisplacedProgram(bool lit, bool glossy = false);
 
+/// The program for placed objects without shaders of their own. Needs OpenGL 3.3.
+osg::ref_ptr<osg::Program> createObjectProgram();
+
 /// The program of a SkyDome.
 osg::ref_ptr<osg::Program> createSkyProgram();
 

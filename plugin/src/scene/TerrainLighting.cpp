@@ -57,6 +57,7 @@ struct TerrainLighting::Implementation
 
     void update(unsigned updatesBelow, const osg::FrameStamp* stamp);
     void followShaders();
+    void followObjects();
     void applyUniforms();
     /// Whether some of the ground may be glossy.
     bool mayBeGlossy() const;
@@ -130,9 +131,8 @@ void TerrainLighting::Implementation::update(unsigned updatesBelow, const osg::F
         registry.forEach([this](SceneTile& tile) { binder.followTextures(tile); });
     }
     terrain.fades.update(stamp);
+    followObjects();
     if (probes.follow(registry))
-        scheduler->touch();
-    if (objects.follow(scheduler->objects(), registry, owner, sky))
         scheduler->touch();
     if (!scheduler->isDone())
         registry.forEach(
@@ -141,6 +141,20 @@ void TerrainLighting::Implementation::update(unsigned updatesBelow, const osg::F
                 if (tile.binding && !tile.terrain)
                     tile.lit->setBound(boundOf(*tile.binding->stateSet(), owner));
             });
+}
+
+void TerrainLighting::Implementation::followObjects()
+{
+    ObjectState& state = objects.surfaces().state();
+    state.scene = uniforms.stateSet();
+    state.lit = scheduler->enabled;
+    state.defaultProgram = terrain.defaultProgram;
+    state.setSunRadius(sky.sunAngularRadius);
+    const bool none = probes.empty();
+    if (objects.follow(scheduler->objects(), registry, probes, owner, sky))
+        scheduler->touch();
+    if (none != probes.empty())
+        terrain.settle(); // their light needs the tiles' albedo
 }
 
 /// Takes up edits in the folder of shaders that replace ours, if there is one.
@@ -744,6 +758,7 @@ void TerrainLighting::releaseGLObjects(osg::State* state) const
     here.scheduler->objects().releaseGLObjects(state);
     here.scheduler->forget(state ? state->getContextID() : ~0u);
     here.compute->releaseGLObjects(state);
+    here.objects.surfaces().releaseGLObjects(state);
     here.uniforms.releaseGLObjects(state);
 }
 
@@ -768,6 +783,7 @@ void TerrainLighting::resizeGLObjectBuffers(unsigned size)
     here.forEachLit([&](const LitTile& tile) { tile.lighting().resizeGLObjectBuffers(size); });
     here.scheduler->objects().resizeGLObjectBuffers(size);
     here.compute->resizeGLObjectBuffers(size);
+    here.objects.surfaces().resizeGLObjectBuffers(size);
     here.uniforms.resizeGLObjectBuffers(size);
 }
 

@@ -125,6 +125,11 @@ void ObjectVolumeNode::setShapes()
     _isSet = true;
 }
 
+void ObjectVolumeNode::forget(unsigned context)
+{
+    _complete.remove(context);
+}
+
 Status ObjectVolumeNode::run(osg::State& state)
 {
     const glm::ivec3 count = _cluster.voxels / ObjectCluster::brick;
@@ -164,6 +169,7 @@ Status ObjectVolumeNode::run(osg::State& state)
             return done;
     }
     written.unfinished.clear();
+    _complete.add(state.getContextID());
     return Nothing{};
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "fields/ObjectClusters.h"
+#include "gpu/ContextSet.h"
 #include "gpu/WorkGraph.h"
 
 #include <map>
@@ -23,6 +24,10 @@ public:
 
     /// R8_SNORM: distance over ObjectCluster::reach voxels, −1 … 1; 1 where nothing is nearer.
     Resource* volume() const { return _volume; }
+    /// Whether it holds distances to all shapes of some run. In any thread.
+    bool isWritten(unsigned context) const { return _complete.has(context); }
+    /// A context (all: ~0u) has lost it.
+    void forget(unsigned context);
     /// Bricks that the last run computed.
     std::size_t bricks() const { return _lastBricks; }
 
@@ -45,6 +50,7 @@ private:
         bool any = false;
     };
     std::map<unsigned, Written> _written; ///< by context
+    ContextSet _complete;                 ///< contexts in which a run has ended
     std::vector<ObjectShape> _shapesSet;  ///< on the pass
     bool _isSet = false;
     std::size_t _lastBricks = 0;

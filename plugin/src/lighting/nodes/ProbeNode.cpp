@@ -35,6 +35,7 @@ ProbeNode::ProbeNode(const TileInputs& inputs, const TileSurface& surface, Resou
     reads(skyPicture);
     reads(inputs.light);
     reads(inputs.probePlaces);
+    _light = {surface.heights(), shading, inputs.albedoTexture.get(), skyPicture, inputs.light};
     _look->set("size", surface.width(), surface.height());
     _look->set("frame", surface.frame());
     _look->reads("heights", surface.heights());
@@ -114,9 +115,23 @@ Status ProbeNode::light(osg::State& state, const ProbePlace& place)
 Status ProbeNode::run(osg::State& state)
 {
     setLight();
+    const unsigned id = state.getContextID();
+    std::vector<Resource::Version> versions;
+    for (const auto& resource : _light)
+        versions.push_back(resource->version(id));
+    Lit& before = _lit[id];
+    const bool isSameLight = before.light == versions;
     for (const ProbePlace& place : _inputs->probes)
+    {
+        if (isSameLight &&
+            std::find(before.probes.begin(), before.probes.end(), place) != before.probes.end())
+            continue;
         if (Status done = light(state, place); !done)
             return done;
+        if (place.written)
+            place.written->add(id);
+    }
+    before = {std::move(versions), _inputs->probes};
     return Nothing{};
 }
 

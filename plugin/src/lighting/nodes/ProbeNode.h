@@ -5,6 +5,9 @@
 #include "lighting/TileSurface.h"
 #include "lighting/nodes/EnvironmentHarmonicsPass.h"
 
+#include <map>
+#include <vector>
+
 namespace osgTerrainLight
 {
 
@@ -20,7 +23,7 @@ public:
     static constexpr int mapSize = 16;
 
     /// shading: of the posts. skyPicture: of SkyTableNode, of which there is a texture where the
-    /// sky has a table.
+    /// sky has a table. Probes that stay where nothing has changed are not computed again.
     ProbeNode(const TileInputs& inputs, const TileSurface& surface, Resource* shading,
               Resource* skyPicture);
 
@@ -39,6 +42,14 @@ private:
     Resource* _panorama;
     Resource* _sunHorizon;
     GpuPass* _look;
+    /// What the light of all probes is computed from.
+    std::vector<osg::ref_ptr<Resource>> _light;
+    struct Lit
+    {
+        std::vector<Resource::Version> light;
+        std::vector<ProbePlace> probes;
+    };
+    std::map<unsigned, Lit> _lit; ///< of the last run that has ended, by context
     EnvironmentHarmonicsPass* _project;
     IrradianceMapPass* _evaluate;
 };

@@ -1,7 +1,11 @@
 #pragma once
 
+#include "gpu/ContextSet.h"
+
 #include <osg/TextureCubeMap>
 #include <osg/ref_ptr>
+
+#include <memory>
 
 namespace osgTerrainLight
 {
@@ -14,6 +18,8 @@ struct ProbePlace
     bool aboveGround = true;
     double exponent = 16.0; ///< of the glossy map's lobe, 1 … 64
     osg::ref_ptr<osg::TextureCubeMap> diffuse, glossy;
+    /// Contexts in which the maps are there; null: nobody asks. Not compared.
+    std::shared_ptr<ContextSet> written;
 
     bool operator==(const ProbePlace& other) const
     {

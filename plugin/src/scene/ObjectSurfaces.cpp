@@ -1,0 +1,361 @@
+#include "scene/ObjectSurfaces.h"
+
+#include "core/ConeSet.h"
+#include "scene/ObjectField.h"
+#include "scene/ShadingBinding.h"
+
+#include <osg/Image>
+#include <osg/Material>
+#include <osg/Texture2D>
+#include <osgUtil/StateGraph>
+
+#include <algorithm>
+#include <cmath>
+
+#ifndef GL_TEXTURE_CUBE_MAP_SEAMLESS
+#define GL_TEXTURE_CUBE_MAP_SEAMLESS 0x884F
+#endif
+
+namespace osgTerrainLight
+{
+
+namespace
+{
+
+constexpr double radiansPerDegree = 3.14159265358979323846 / 180.0;
+constexpr unsigned mostCones = 32; ///< as in terrain_objects.glsl
+
+/// A probe is made anew where its object has moved by this part of its size, or has come to rest:
+/// what a probe sees changes over the size of what it stands for, and a whole tile's horizon is
+/// walked for it.
+constexpr double movesBy = 0.2;
+
+osg::Vec3d vector(const glm::dvec3& v)
+{
+    return {v.x, v.y, v.z};
+}
+
+osg::Vec4f vector(const glm::dvec3& v, double w)
+{
+    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z),
+            static_cast<float>(w)};
+}
+
+osg::ref_ptr<osg::Texture2D> createWhite()
+{
+    const osg::ref_ptr<osg::Image> texel = new osg::Image;
+    texel->allocateImage(1, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE);
+    std::fill_n(texel->data(), 4, static_cast<unsigned char>(255));
+    const osg::ref_ptr<osg::Texture2D> white = new osg::Texture2D(texel);
+    white->setFilter(osg::Texture::MIN_FILTER, osg::Texture::NEAREST);
+    white->setFilter(osg::Texture::MAG_FILTER, osg::Texture::NEAREST);
+    return white;
+}
+
+/// The nearest attribute above what is traversed; null where there is none.
+const osg::StateAttribute* above(osgUtil::CullVisitor& cull, osg::StateAttribute::Type type,
+                                 bool ofUnit0)
+{
+    for (const osgUtil::StateGraph* graph = cull.getCurrentStateGraph(); graph;
+         graph = graph->_parent)
+        if (const osg::StateSet* stateSet = graph->getStateSet())
+            if (const osg::StateAttribute* found =
+                    ofUnit0 ? stateSet->getTextureAttribute(0, type) : stateSet->getAttribute(type))
+                return found;
+    return nullptr;
+}
+
+/// The tile that a place stands on: of those that are lit the one whose posts are nearest to one
+/// another, else of all.
+const SceneTile* tileAt(const osg::Vec3d& place, const TileRegistry& tiles)
+{
+    const SceneTile* found = nullptr;
+    bool isLit = false;
+    tiles.forEach(
+        [&](const SceneTile& tile)
+        {
+            if (!tile.lit || !tile.corner)
+                return;
+            const DemTile& dem = tile.lit->lighting().tile();
+            const double north = place.y() - tile.corner->y();
+            const double row = tile.lit->margin().south + north / dem.northSpacing;
+            if (!(north >= 0.0 && north <= dem.northSpacing * (tile.lit->drawnHeight() - 1)))
+                return;
+            const double east = place.x() - tile.corner->x();
+            if (!(east >= 0.0 && east <= dem.eastSpacing(static_cast<int>(row + 0.5)) *
+                                             (tile.lit->drawnWidth() - 1)))
+                return;
+            const bool lit = tile.lit->state().stage == TileState::Stage::Lit;
+            const bool isFiner =
+                !found || dem.northSpacing < found->lit->lighting().tile().northSpacing;
+            if (lit == isLit ? isFiner : lit)
+            {
+                found = &tile;
+                isLit = lit;
+            }
+        });
+    return found;
+}
+
+} // namespace
+
+ObjectState::ObjectState() : program(new osg::StateSet), programOnly(new osg::StateSet)
+{
+    const ConeSet set = ConeSet::of(16);
+    _cones = new osg::Uniform(osg::Uniform::FLOAT_VEC4, "osgTerrainLight_objectCones",
+                              static_cast<int>(mostCones + 2));
+    _around = new osg::Uniform(osg::Uniform::UNSIGNED_INT, "osgTerrainLight_objectAround",
+                               static_cast<int>(mostCones));
+    for (unsigned i = 0; i < set.cones.size(); ++i)
+    {
+        const ConeSet::Cone& cone = set.cones[i];
+        _cones->setElement(i, osg::Vec4f(cone.axis[0], cone.axis[1], cone.axis[2], cone.sine));
+        _around->setElement(i, cone.around);
+    }
+    _cones->setElement(mostCones, osg::Vec4f(set.fit[0], set.fit[1], set.fit[2], set.fit[3]));
+    _cones->setElement(mostCones + 1,
+                       osg::Vec4f(static_cast<float>(set.cones.size()), set.stride, 0.0f, 0.0f));
+    const osg::ref_ptr<osg::Program> shared = createObjectProgram();
+    for (const auto& stateSet : {program, programOnly})
+    {
+        stateSet->setAttribute(shared);
+        stateSet->addUniform(new osg::Uniform("osgTerrainLight_colour", 0));
+    }
+    program->setTextureAttribute(0, createWhite());
+    setSunRadius(0.0);
+}
+
+void ObjectState::setSunRadius(double degrees)
+{
+    if (degrees == _sunRadius)
+        return;
+    _sunRadius = degrees;
+    cones = new osg::StateSet;
+    cones->addUniform(_cones);
+    cones->addUniform(_around);
+    cones->addUniform(new osg::Uniform("osgTerrainLight_sunSine",
+                                       static_cast<float>(std::sin(degrees * radiansPerDegree))));
+    cones->addUniform(
+        new osg::Uniform(LightProbe::diffuseSampler, static_cast<int>(LightProbe::diffuseUnit)));
+    cones->addUniform(
+        new osg::Uniform(LightProbe::glossySampler, static_cast<int>(LightProbe::glossyUnit)));
+    cones->addUniform(
+        new osg::Uniform(PlacedObject::volumeSampler, static_cast<int>(PlacedObject::volumeUnit)));
+    cones->addUniform(new osg::Uniform("osgTerrainLight_objectLit", false));
+    cones->setMode(GL_TEXTURE_CUBE_MAP_SEAMLESS, osg::StateAttribute::ON);
+}
+
+const ObjectSurface::Light* ObjectSurface::lightIn(unsigned context) const
+{
+    if (!_state->lit || !_probe || !_probed->has(context))
+        return nullptr;
+    for (const Light* light : {&_own, &_former})
+        if (light->node && light->stateSet && light->node->isWritten(context))
+            return light;
+    return &_open;
+}
+
+int ObjectSurface::push(osgUtil::CullVisitor& cull, bool isBelow) const
+{
+    int pushed = 0;
+    const auto push = [&](const osg::StateSet* stateSet)
+    {
+        cull.pushStateSet(stateSet);
+        ++pushed;
+    };
+    using Attribute = osg::StateAttribute;
+    const bool hasProgram = above(cull, Attribute::PROGRAM, false);
+    const bool hasTexture = above(cull, Attribute::TEXTURE, true);
+    const auto* material =
+        dynamic_cast<const osg::Material*>(above(cull, Attribute::MATERIAL, false));
+    if (!isBelow && _state->scene)
+        push(_state->scene);
+    push(_state->cones);
+    const osg::State* state = cull.getState();
+    const Light* light = state ? lightIn(state->getContextID()) : nullptr;
+    if (!light)
+        return pushed;
+    if (_state->defaultProgram && !hasProgram)
+        push(hasTexture ? _state->programOnly : _state->program);
+    push(light->stateSet);
+
+    // From eye coordinates to the volume's: as the object stands for this camera, so that a camera
+    // far from the origin costs no digits.
+    const osg::Matrixd fromEye = osg::Matrixd::inverse(*cull.getModelViewMatrix()) * toScene *
+                                 osg::Matrixd::translate(-light->origin);
+    const bool ownColour = _materials == Materials::Own ||
+                           (_materials == Materials::None && material && isOwnColour(*material));
+    const osg::ref_ptr<osg::StateSet> here = new osg::StateSet;
+    here->addUniform(new osg::Uniform("osgTerrainLight_objectFromEye", osg::Matrixf(fromEye)));
+    here->addUniform(new osg::Uniform("osgTerrainLight_materialColour", ownColour));
+    push(here);
+    return pushed;
+}
+
+/// The surface that the object had before at this place among its places, which is taken from
+/// those; or a new one.
+osg::ref_ptr<ObjectSurface> ObjectSurfaces::surfaceOf(const Seen& seen,
+                                                      std::vector<Object>& before) const
+{
+    for (Object& each : before)
+        if (each.surface && each.object.get() == seen.object.get())
+        {
+            osg::ref_ptr<ObjectSurface> surface;
+            surface.swap(each.surface);
+            return surface;
+        }
+    const osg::ref_ptr<ObjectSurface> surface = new ObjectSurface;
+    surface->_state = _state;
+    return surface;
+}
+
+void ObjectSurfaces::followProbe(ObjectSurface& surface, const ObjectBounds& bounds,
+                                 const TileRegistry& tiles, ProbeList& probes)
+{
+    const osg::Vec3d middle = vector(0.5 * (bounds.low + bounds.high));
+    const bool isAtRest = middle == surface._middle;
+    surface._middle = middle;
+    const SceneTile* tile = tileAt(middle, tiles);
+    if (!tile)
+    {
+        if (surface._probe)
+            probes.remove(surface._probe);
+        surface._probe = nullptr;
+        return;
+    }
+    const bool isNew = !surface._probe;
+    if (isNew)
+    {
+        surface._probe = new LightProbe;
+        surface._probed = std::make_shared<ContextSet>();
+    }
+    const glm::dvec3 size = bounds.high - bounds.low;
+    const double moved = (middle - surface._probePlace).length();
+    const bool isOtherTile = isNew || surface._tile != tile->handle;
+    if (isOtherTile || moved > movesBy * std::max({size.x, size.y, size.z}) ||
+        (isAtRest && moved > 0.0))
+    {
+        surface._probePlace = middle;
+        surface._probe->setPlace(middle.x() - tile->corner->x(), middle.y() - tile->corner->y());
+        const double zero = tile->corner->z() + tile->lit->lighting().tile().heightOrigin;
+        surface._probe->setHeight(middle.z() - zero, false);
+    }
+    if (!isOtherTile)
+        return;
+    if (!isNew)
+        probes.remove(surface._probe);
+    probes.add(*surface._probe, tile->handle, surface._probed);
+    surface._tile = tile->handle;
+}
+
+void ObjectSurfaces::followVolume(ObjectSurface& surface, const Seen& seen,
+                                  const ObjectLight& light)
+{
+    const auto stateSet = [&]
+    {
+        const osg::ref_ptr<osg::StateSet> made = new osg::StateSet;
+        made->setTextureAttribute(LightProbe::diffuseUnit, surface._probe->getDiffuseMap());
+        made->setTextureAttribute(LightProbe::glossyUnit, surface._probe->getGlossyMap());
+        made->addUniform(new osg::Uniform("osgTerrainLight_objectLit", true));
+        return made;
+    };
+    using Light = ObjectSurface::Light;
+    if (!surface._probe)
+    {
+        surface._own = surface._former = surface._open = {};
+        return;
+    }
+    const bool isOther =
+        !surface._open.stateSet || surface._open.stateSet->getTextureAttribute(
+                                       LightProbe::diffuseUnit, osg::StateAttribute::TEXTURE) !=
+                                       surface._probe->getDiffuseMap();
+    if (isOther)
+    {
+        surface._own = surface._former = {};
+        surface._open = {stateSet(), nullptr, surface._middle};
+        surface._open.stateSet->addUniform(
+            new osg::Uniform("osgTerrainLight_hasObjectVolume", false));
+    }
+    const auto found = std::find_if(light.placed().begin(), light.placed().end(),
+                                    [&](const ObjectLight::Placed& placed)
+                                    {
+                                        const auto& shapes = placed.cluster.shapes;
+                                        return seen.shape && std::find(shapes.begin(), shapes.end(),
+                                                                       *seen.shape) != shapes.end();
+                                    });
+    if (found == light.placed().end())
+    {
+        surface._own = surface._former = {};
+        return;
+    }
+    const ObjectCluster& cluster = found->cluster;
+    if (found->node != surface._own.node)
+        surface._former = surface._own;
+    osg::Texture* volume = found->node->volume()->texture();
+    if (surface._own.stateSet && found->node == surface._own.node &&
+        cluster.content.low == surface._content.low &&
+        cluster.content.high == surface._content.high)
+        return;
+    surface._own = Light{nullptr, found->node, vector(cluster.origin)};
+    if (!volume) // not computed anywhere yet
+        return;
+    surface._content = cluster.content;
+    const osg::ref_ptr<osg::StateSet> made = stateSet();
+    made->setTextureAttribute(PlacedObject::volumeUnit, volume);
+    made->addUniform(new osg::Uniform("osgTerrainLight_hasObjectVolume", true));
+    const osg::ref_ptr<osg::Uniform> field =
+        new osg::Uniform(osg::Uniform::FLOAT_VEC4, "osgTerrainLight_objectField", 3);
+    field->setElement(0, vector(cluster.voxel * glm::dvec3(cluster.voxels), cluster.voxel));
+    field->setElement(
+        1, vector(cluster.content.low - cluster.origin, cluster.voxel * ObjectCluster::reach));
+    field->setElement(2, vector(cluster.content.high - cluster.origin, 0.0));
+    made->addUniform(field);
+    surface._own.stateSet = made;
+}
+
+void ObjectSurfaces::follow(const std::vector<Seen>& seen, const ObjectLight& light,
+                            const TileRegistry& tiles, ProbeList& probes)
+{
+    std::vector<Object> before;
+    before.swap(_objects);
+    for (const Seen& each : seen)
+    {
+        const osg::ref_ptr<ObjectSurface> surface = surfaceOf(each, before);
+        surface->toScene = each.toScene;
+        using Materials = ObjectSurface::Materials;
+        surface->_materials = each.ownMaterials   ? Materials::Own
+                              : each.hasMaterials ? Materials::Colours
+                                                  : Materials::None;
+        followProbe(*surface, each.bounds, tiles, probes);
+        followVolume(*surface, each, light);
+        _objects.push_back({each.object.get(), surface});
+    }
+    for (const Object& gone : before)
+        if (gone.surface && gone.surface->_probe)
+            probes.remove(gone.surface->_probe);
+}
+
+void ObjectSurfaces::releaseGLObjects(osg::State* state) const
+{
+    _state->program->releaseGLObjects(state);
+    for (const Object& each : _objects)
+        if (const LightProbe* probe = each.surface->_probe)
+        {
+            each.surface->_probed->remove(state ? state->getContextID() : ~0u);
+            probe->getDiffuseMap()->releaseGLObjects(state);
+            probe->getGlossyMap()->releaseGLObjects(state);
+        }
+}
+
+void ObjectSurfaces::resizeGLObjectBuffers(unsigned size)
+{
+    _state->program->resizeGLObjectBuffers(size);
+    for (const Object& each : _objects)
+        if (const LightProbe* probe = each.surface->_probe)
+        {
+            probe->getDiffuseMap()->resizeGLObjectBuffers(size);
+            probe->getGlossyMap()->resizeGLObjectBuffers(size);
+        }
+}
+
+} // namespace osgTerrainLight

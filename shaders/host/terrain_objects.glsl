@@ -1,0 +1,102 @@
+// What a host shader calls to light the surface of a PlacedObject: colour = albedo *
+// terrainObjectLight(...).rgb. Comes after shaders/lib (createObjectShader); GLSL 3.30 on.
+
+uniform bool osgTerrainLight_objectLit; // whether there is light for it
+// As in terrain_probe.glsl: of the probe in the middle of the object.
+uniform samplerCube osgTerrainLight_probeDiffuse;
+uniform samplerCube osgTerrainLight_probeGlossy;
+uniform vec3 osgTerrainLight_sunDirection;
+uniform vec3 osgTerrainLight_sunIrradiance; // on a surface that faces it; 0 where there is none
+uniform float osgTerrainLight_sunSine;      // of the radius of its disc
+
+// Distances to the object and to those near it, in a volume.
+uniform bool osgTerrainLight_hasObjectVolume;
+uniform sampler3D osgTerrainLight_objectVolume; // R8_SNORM: distance over the reach
+// from eye coordinates to metres east, north and up of the volume's first corner
+uniform mat4 osgTerrainLight_objectFromEye;
+// size [m], voxel [m]; lowest corner of what is in it [m], reach [m]; highest corner
+uniform vec4 osgTerrainLight_objectField[3];
+// axis about +z, sine of the half-angle; from 32 on: the fit, and (count, stride)
+uniform vec4 osgTerrainLight_objectCones[34];
+uniform uint osgTerrainLight_objectAround[32];
+
+// The surface of a form that is drawn may lie within the form that distances are to, as that of a
+// house within its box: then the place outside that the normal leads to.
+vec3 terrainOutside(DistanceField field, vec3 place, vec3 normal)
+{
+    vec3 outside = place;
+    // A voxel above a surface the distance is a voxel, less in corners, and about 0 where two
+    // surfaces touch, but for rounding and interpolation: only below that it lies within.
+    Length least = -0.25 * field.voxel;
+    for (int step = 0; step < 32; ++step)
+    {
+        Length ahead =
+            objectDistance(osgTerrainLight_objectVolume, field, outside + normal * field.voxel).x;
+        if (ahead > least)
+            break;
+        // Then on until it is outside, but for the sixteenth of a voxel that 8 bits step by.
+        least = 0.9 * field.voxel;
+        outside += normal * max(field.voxel - ahead, 0.25 * field.voxel);
+    }
+    return outside;
+}
+
+// Part of the probe's light that the objects leave: by cones, each with the light that the probe
+// has from its direction, of sky and ground alike.
+vec3 terrainAmongObjects(DistanceField field, vec3 place, vec3 normal)
+{
+    int count = int(osgTerrainLight_objectCones[33].x);
+    vec4 axes[32];
+    uint near[32];
+    float weights[32];
+    for (int i = 0; i < count; ++i)
+    {
+        vec4 cone = osgTerrainLight_objectCones[i];
+        axes[i] = vec4(aboutNormal(cone.xyz, normal), cone.w);
+        near[i] = osgTerrainLight_objectAround[i];
+        weights[i] = 1.0;
+    }
+    ConesOpen seen = conesAmongObjects(osgTerrainLight_objectVolume, field, place, normal, axes,
+                                       near, weights, count, osgTerrainLight_objectCones[33].y,
+                                       osgTerrainLight_objectCones[32]);
+    vec3 all = vec3(0.0);
+    vec3 left = vec3(0.0);
+    for (int i = 0; i < count; ++i)
+    {
+        // Harmonics ring below 0.
+        vec3 radiance = max(texture(osgTerrainLight_probeGlossy, axes[i].xyz).rgb, 0.0);
+        all += radiance;
+        left += radiance * seen.light[i];
+    }
+    return mix(vec3(1.0), left / max(all, vec3(1.0e-20)), greaterThan(all, vec3(0.0)));
+}
+
+// place, normal: in eye coordinates, gl_ModelViewMatrix * gl_Vertex and gl_NormalMatrix *
+// gl_Normal, of any length but 0. rgb: irradiance / pi, scene-linear, a: visible fraction of the
+// sun. All 1 where there is no light for the object.
+vec4 terrainObjectLight(vec3 place, vec3 normal)
+{
+    if (!osgTerrainLight_objectLit)
+        return vec4(1.0);
+    vec3 facing = normalize(mat3(osgTerrainLight_objectFromEye) * normal);
+    vec4 light = texture(osgTerrainLight_probeDiffuse, facing);
+    light = vec4(max(light.rgb, 0.0), clamp(light.a, 0.0, 1.0));
+    float cosine = max(dot(facing, osgTerrainLight_sunDirection), 0.0);
+    if (osgTerrainLight_hasObjectVolume)
+    {
+        DistanceField field;
+        field.size = osgTerrainLight_objectField[0].xyz;
+        field.voxel = osgTerrainLight_objectField[0].w;
+        field.reach = osgTerrainLight_objectField[1].w;
+        field.low = osgTerrainLight_objectField[1].xyz;
+        field.high = osgTerrainLight_objectField[2].xyz;
+        vec3 from = terrainOutside(
+            field, (osgTerrainLight_objectFromEye * vec4(place, 1.0)).xyz, facing);
+        light.rgb *= terrainAmongObjects(field, from, facing);
+        if (cosine > 0.0 && light.a > 0.0)
+            light.a *= discAmongObjects(osgTerrainLight_objectVolume, field, from, facing,
+                                        osgTerrainLight_sunDirection, osgTerrainLight_sunSine);
+    }
+    light.rgb += osgTerrainLight_sunIrradiance * (light.a * cosine / PI);
+    return light;
+}
