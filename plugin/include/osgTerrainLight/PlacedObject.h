@@ -41,10 +41,11 @@ public:
         Automatic,
         Box,
         Ellipsoid,
-        Cylinder, ///< About z.
-                  /// The triangles below, sampled once, in a thread of its own. Parts may overlap,
-                  /// and need not be closed. It is a box until that is done, and where the library
-                  /// was built without Embree.
+        /// About z.
+        Cylinder,
+        /// The triangles below, sampled once, in a thread of its own. Parts may overlap, and need
+        /// not be closed. It is a box until that is done, and where the library was built without
+        /// Embree.
         Mesh,
         None ///< It changes no light; its surfaces are lit by the probe alone.
     };
