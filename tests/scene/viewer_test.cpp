@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <string>
 
@@ -156,6 +157,22 @@ TEST(StreamingSample, FliesAndReports)
     EXPECT_EQ(
         run(program + dem + ".terrainlight --headless --report /no/such/folder/a.csv").exitCode, 1);
     EXPECT_EQ(run(program + dem + ".terrainlight --frames 0").exitCode, 1);
+}
+
+TEST(ObjectsSample, DrawsAVillage)
+{
+    OTL_NEED_GL(context);
+    const std::filesystem::path folder = osgTerrainLight::testFolder();
+    const std::string program = "env XDG_CACHE_HOME=" + folder.string() +
+                                " LD_LIBRARY_PATH=" OTL_BINARY_DIR
+                                "/lib:$LD_LIBRARY_PATH " OTL_BINARY_DIR "/bin/objects ";
+    const std::filesystem::path picture = folder / "village.png";
+    const Outcome outcome = run(program + "--headless " + picture.string() + " --hour 17.5");
+    EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+    // 1280 x 720 pixels that are not all alike.
+    EXPECT_GT(std::filesystem::file_size(picture), 10000u);
+    EXPECT_FALSE(std::filesystem::is_empty(folder / "osgterrainlight/objects"));
+    EXPECT_EQ(run(program + "--hour 25").exitCode, 2);
 }
 
 TEST(Osgviewer, ShowsADemWithoutErrors)
