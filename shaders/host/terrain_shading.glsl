@@ -133,18 +133,20 @@ vec4 terrainObjects(vec2 coordinate)
     return left;
 }
 
+vec4 terrainFadedShading(vec2 coordinate)
+{
+    if (osgTerrainLight_formerPart <= 0.0)
+        return terrainOwnShading(coordinate);
+    vec4 former = terrainFormerShading(coordinate);
+    // Light that is not computed yet may be anything, NaN too.
+    if (osgTerrainLight_formerPart >= 1.0)
+        return former;
+    return mix(terrainOwnShading(coordinate), former, osgTerrainLight_formerPart);
+}
+
 // Scene-linear. Bilinear between posts, but for the edge of the sun's shadow where it is on.
 vec4 terrainShading(vec2 coordinate)
 {
-    vec4 shading = vec4(0.0);
-    // Light that is not computed yet may be anything, NaN too.
-    if (osgTerrainLight_formerPart < 1.0)
-        shading = terrainOwnShading(coordinate);
-    if (osgTerrainLight_formerPart >= 1.0)
-        shading = terrainFormerShading(coordinate);
-    else if (osgTerrainLight_formerPart > 0.0)
-        shading = mix(shading, terrainFormerShading(coordinate), osgTerrainLight_formerPart);
-    if (osgTerrainLight_objectCount > 0)
-        shading *= terrainObjects(coordinate);
-    return shading;
+    vec4 shading = terrainFadedShading(coordinate);
+    return osgTerrainLight_objectCount > 0 ? shading * terrainObjects(coordinate) : shading;
 }
