@@ -17,6 +17,7 @@ uniform sampler2DArray horizon; // elevation codes, layer k looks towards 2*pi*k
 // RGBA32F, radiance: columns counter-clockwise from east, rows from the horizontal to the zenith
 uniform sampler2D sky;
 #endif
+uniform bool known; // whether the volume is there
 uniform sampler3D volume;
 layout(rgba16f, binding = 0) writeonly uniform image2D factor;
 
@@ -92,7 +93,7 @@ void main()
     vec2 place = clamp(metres / spacings, vec2(0.0), vec2(size - 1));
     vec2 rise = riseBetweenPosts(heights, place, size, frame, 0.0);
     ivec2 to = texel + ivec2(0, row);
-    if (rise.y <= 0.5)
+    if (rise.y <= 0.5 || !known)
     {
         imageStore(factor, to, vec4(1.0));
         return;

@@ -31,8 +31,8 @@ uniform int shapeCount;
 uniform float voxel; // [m]
 uniform float reach; // [m]
 
-const int MOST_NEAR = 1024;
-shared int nearby[MOST_NEAR];
+const int BATCH = 1024; // shapes that are sorted out at a time
+shared int nearby[BATCH];
 shared int nearCount;
 
 float gridAt(Shape shape, ivec3 at)
@@ -78,28 +78,29 @@ Length shapeDistance(Shape shape, vec3 place)
 void main()
 {
     ivec3 first = bricks[int(GROUP.x)].xyz * 8;
-    if (gl_LocalInvocationIndex == 0u)
-        nearCount = 0;
-    barrier();
     vec3 low = vec3(first) * voxel - reach;
     vec3 high = vec3(first + 8) * voxel + reach;
-    for (int i = int(gl_LocalInvocationIndex); i < shapeCount; i += 128)
-        if (all(lessThan(shapes[i].low.xyz, high)) && all(greaterThan(shapes[i].high.xyz, low)))
-        {
-            int at = atomicAdd(nearCount, 1);
-            if (at < MOST_NEAR)
-                nearby[at] = i;
-        }
-    barrier();
-    int count = min(nearCount, MOST_NEAR);
     ivec3 mine = first + ivec3(gl_LocalInvocationID.xy, gl_LocalInvocationID.z * 4u);
-    for (int z = 0; z < 4; ++z)
+    vec4 least = vec4(reach); // of four voxels
+    for (int batch = 0; batch < shapeCount; batch += BATCH)
     {
-        ivec3 at = mine + ivec3(0, 0, z);
-        vec3 place = (vec3(at) + 0.5) * voxel;
-        Length least = reach;
-        for (int i = 0; i < count; ++i)
-            least = min(least, shapeDistance(shapes[nearby[i]], place));
-        imageStore(volume, at, vec4(max(least / reach, -1.0)));
+        barrier();
+        if (gl_LocalInvocationIndex == 0u)
+            nearCount = 0;
+        barrier();
+        int end = min(batch + BATCH, shapeCount);
+        for (int i = batch + int(gl_LocalInvocationIndex); i < end; i += 128)
+            if (all(lessThan(shapes[i].low.xyz, high)) &&
+                all(greaterThan(shapes[i].high.xyz, low)))
+                nearby[atomicAdd(nearCount, 1)] = i;
+        barrier();
+        for (int z = 0; z < 4; ++z)
+        {
+            vec3 place = (vec3(mine + ivec3(0, 0, z)) + 0.5) * voxel;
+            for (int i = 0; i < nearCount; ++i)
+                least[z] = min(least[z], shapeDistance(shapes[nearby[i]], place));
+        }
     }
+    for (int z = 0; z < 4; ++z)
+        imageStore(volume, mine + ivec3(0, 0, z), vec4(max(least[z] / reach, -1.0)));
 }

@@ -373,3 +373,15 @@ TEST(MeshField, DISABLED_Times)
                         cells, time.count());
         }
 }
+
+// Floats beyond 4 000 km step by half a metre.
+TEST(MeshField, FarFromItsOriginIsRefused)
+{
+    TriangleMesh sphere = makeSphere(2.0, 3);
+    for (glm::vec3& vertex : sphere.vertices)
+        vertex.y += 4649776.0f;
+    const Result<BakedField> field = bakeMesh(sphere);
+    ASSERT_FALSE(field);
+    EXPECT_NE(field.error().message.find("from the origin"), std::string::npos)
+        << field.error().message;
+}

@@ -5,6 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
 using namespace osgTerrainLight;
@@ -125,4 +126,12 @@ TEST(ObjectShapes, TheirScalesAreInTheirSizes)
     const ObjectBounds bounds = boundsOf(mesh);
     EXPECT_EQ(bounds.low, glm::dvec3(8, 0, 8));
     EXPECT_EQ(bounds.high, glm::dvec3(10, 4.5, 16));
+}
+
+// What is not finite has no volume; it is kept away from here by the scene.
+TEST(ObjectClusters, WithoutAPlaceThereIsNone)
+{
+    ObjectShape lost = boxAt({0, 0, 0}, {1, 1, 1});
+    lost.toScene[3].x = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_TRUE(clusterObjects({lost}, 0.25, 8).empty());
 }

@@ -198,20 +198,20 @@ TEST(Tiles, TheOneThatIsSeenBestComesFirst)
 
 // Expected: counts. One more tile costs a look at the nodes above it and its
 // own, twice at most, as its geometry may dirty its bound once more.
-TEST(Tiles, AStillSceneOfFourHundredIsNotLookedAt)
+TEST(Tiles, AStillSceneOfAThousandIsNotLookedAt)
 {
     OTL_NEED_GL(context);
     const osg::ref_ptr<TerrainLighting> lighting = lightingWithBudget(0.0, 8);
     osg::ref_ptr<osg::Group> group;
-    for (int i = 0; i < 400; ++i)
+    for (int i = 0; i < 1000; ++i)
     {
-        if (i % 20 == 0)
+        if (i % 40 == 0)
             lighting->addChild(group = new osg::Group);
         group->addChild(createTerrain(analytic::plane(3, 3, 10.0, 1.0 * i)));
     }
     ScenePicture picture(lighting, reach);
     picture.draw(8);
-    EXPECT_EQ(lighting->getTileCount(), 400u);
+    EXPECT_EQ(lighting->getTileCount(), 1000u);
     const unsigned dispatches = lighting->getDispatchCount();
     unsigned visits = lighting->getVisitCount();
     picture.draw(10);
@@ -219,7 +219,7 @@ TEST(Tiles, AStillSceneOfFourHundredIsNotLookedAt)
     EXPECT_EQ(lighting->getVisitCount(), visits);
     group->addChild(createTerrain(analytic::plane(3, 3, 10.0, 0.0)));
     picture.draw(3);
-    EXPECT_EQ(lighting->getTileCount(), 401u);
+    EXPECT_EQ(lighting->getTileCount(), 1001u);
     EXPECT_LE(lighting->getVisitCount() - visits,
               2u * 4u); // lighting, group, terrain, tile
 }

@@ -53,8 +53,8 @@ public:
     void setField(Field field);
     Field getField() const;
 
-    /// Says that what is below has changed its form, or its materials. Children that come and go
-    /// are seen without.
+    /// Says that what is below has changed its form, or its materials. Without it only a change of
+    /// the bounding sphere is seen.
     void dirtyField();
 
     /// The texture unit of the volume of distances, and the sampler3D that reads it. The maps of

@@ -96,4 +96,14 @@ ConeSet ConeSet::of(int cones)
     return set;
 }
 
+std::vector<std::array<float, 4>> ConeSet::packed() const
+{
+    std::vector<std::array<float, 4>> values(most + 2);
+    for (std::size_t i = 0; i < cones.size(); ++i)
+        values[i] = {cones[i].axis[0], cones[i].axis[1], cones[i].axis[2], cones[i].sine};
+    values[most] = fit;
+    values[most + 1] = {static_cast<float>(cones.size()), stride, 0.0f, 0.0f};
+    return values;
+}
+
 } // namespace osgTerrainLight

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -22,8 +23,13 @@ struct ConeSet
     std::array<float, 4> fit; ///< A, P, Q, g of coneLight()
 
     /// 4, 6, 9, 12, 16 or 32 cones; another count is the next one above, 32 at most. More cones err
-    /// less: 5.6, 4.4, 3.7, 3.1, 2.7, 2.2 % of the light of open level ground, RMS.
+    /// less (docs/methods/objects.md).
     static ConeSet of(int cones);
+
+    static constexpr std::size_t most = 32;
+    /// As shaders have them: vec4 by cone, its axis and sine, `most` of them; then the fit; then
+    /// (count, stride, 0, 0).
+    std::vector<std::array<float, 4>> packed() const;
 };
 
 } // namespace osgTerrainLight

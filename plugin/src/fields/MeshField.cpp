@@ -133,6 +133,14 @@ Result<BakedField> bakeMesh(const TriangleMesh& mesh, const BakeOptions& options
         if (!(longest >= leastSide && longest <= mostSide))
             return invalid("the longest side of the mesh's box is " + std::to_string(longest) +
                            " m, must be within 1e-6 … 1e9 m");
+        // Voxels' centres are floats in the mesh's frame.
+        const glm::dvec3 farthest = glm::max(glm::abs(box.low), glm::abs(box.high));
+        const double away = std::max({farthest.x, farthest.y, farthest.z});
+        if (away > 1e-2 * longest / options.cells * 16777216.0)
+            return invalid("the mesh is " + std::to_string(longest) + " m long and lies " +
+                           std::to_string(away) +
+                           " m from the origin of its frame, whose floats do not tell its voxels "
+                           "apart; needs to lie about the origin");
         field.grid = layOut(box, options);
         if (!forEachSlice(
                 field.grid.size.z, [&](int z) { measure(field.grid, **surface, box, z); },

@@ -48,8 +48,8 @@ struct BakedField
 /// value makes a part solid that is mirrored, as a whole, by its placement. Holes are closed where
 /// |w| is 1/2, to half a voxel. What lies outside of the mesh's box is outside. Uses all
 /// processors. Errors: Invalid for a mesh or options with a complaint and for a mesh whose
-/// triangles have no area, NotSupported where the library was built without Embree, Failed where
-/// the work was given up.
+/// triangles have no area or that lies too far from its frame's origin, NotSupported where the
+/// library was built without Embree, Failed where the work was given up.
 Result<BakedField> bakeMesh(const TriangleMesh& mesh, const BakeOptions& options = {});
 
 } // namespace osgTerrainLight

@@ -23,7 +23,9 @@ bool layOut(ObjectCluster& cluster)
     {
         const double first = std::floor((cluster.content.low[axis] - margin) / brick);
         const double last = std::ceil((cluster.content.high[axis] + margin) / brick);
-        if (!((last - first) * ObjectCluster::brick <= double(ObjectCluster::maxVoxels)))
+        // Not of numbers that are not finite.
+        if (!(last > first &&
+              (last - first) * ObjectCluster::brick <= double(ObjectCluster::maxVoxels)))
             return false;
         cluster.origin[axis] = first * brick;
         cluster.voxels[axis] = static_cast<int>(last - first) * ObjectCluster::brick;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <mutex>
 #include <set>
 
@@ -30,7 +31,20 @@ public:
         return _contexts.count(context) > 0;
     }
 
+    bool hasAllOf(const ContextSet& other) const
+    {
+        const std::set<unsigned> theirs = other.contexts();
+        const std::set<unsigned> ours = contexts();
+        return std::includes(ours.begin(), ours.end(), theirs.begin(), theirs.end());
+    }
+
 private:
+    std::set<unsigned> contexts() const
+    {
+        std::lock_guard<std::mutex> lock(_mutex);
+        return _contexts;
+    }
+
     mutable std::mutex _mutex;
     std::set<unsigned> _contexts;
 };

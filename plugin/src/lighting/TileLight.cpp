@@ -258,7 +258,11 @@ void TileLight::followValues(Invalidation stale)
         now.probePlaces->touch();
     if (_changes.objects)
     {
+        // Another texture: the one there was is drawn with its own places until this is computed.
+        _factor->drop();
         _factor->setLayout(ObjectFactorNode::layoutOf(now.objects));
+        _factorContexts.clear();
+        ++_objectsRevision;
         now.objectsValue->touch();
     }
     if (_changes.touched)
@@ -373,6 +377,12 @@ Status TileLight::update(osg::State& state, WorkPace* pace)
     Status done = _graph.run(state, pace);
     if (pace && pace->isStopped())
         _unfinished.insert(context);
+    else if (done)
+    {
+        Lock lock(_mutex);
+        if (_objectFactor && _factorContexts.insert(context).second)
+            ++_objectsRevision;
+    }
     return done;
 }
 
@@ -418,16 +428,22 @@ osg::ref_ptr<osg::Texture2DArray> TileLight::glossLight() const
     return _inputs->isGlossy() ? static_cast<osg::Texture2DArray*>(_glossLight->make()) : nullptr;
 }
 
-osg::ref_ptr<osg::Texture2D> TileLight::objectFactor() const
+std::optional<TileLight::DrawnObjects>
+TileLight::drawnObjects(const std::set<unsigned>& contexts) const
 {
     Lock lock(_mutex);
-    return _inputs->objects.empty() ? nullptr : static_cast<osg::Texture2D*>(_factor->make());
+    if (_inputs->objects.empty())
+        return DrawnObjects();
+    if (!std::includes(_factorContexts.begin(), _factorContexts.end(), contexts.begin(),
+                       contexts.end()))
+        return std::nullopt;
+    return DrawnObjects{static_cast<osg::Texture2D*>(_factor->texture()), _inputs->objects};
 }
 
-TileObjects TileLight::objects() const
+unsigned TileLight::objectsRevision() const
 {
     Lock lock(_mutex);
-    return _inputs->objects;
+    return _objectsRevision;
 }
 
 osg::ref_ptr<osg::Texture2D> TileLight::shadowEdges() const
@@ -501,6 +517,13 @@ void TileLight::releaseGLObjects(osg::State* state) const
         _unfinished.erase(state->getContextID());
     else
         _unfinished.clear();
+    {
+        Lock lock(_mutex);
+        if (state)
+            _factorContexts.erase(state->getContextID());
+        else
+            _factorContexts.clear();
+    }
     if (isResting())
     {
         // What is left of the light goes as well: it is computed anew.

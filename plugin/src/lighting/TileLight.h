@@ -23,6 +23,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -131,11 +132,17 @@ public:
     /// update. Null where they are off or there is no sun.
     osg::ref_ptr<osg::Texture2D> shadowEdges() const;
 
-    /// RGBA16F, texels of TileObject: what objects leave of the light of the shading texture, and,
-    /// in a, of the visible fraction of the sun; as of the last update. Null where there are none.
-    osg::ref_ptr<osg::Texture2D> objectFactor() const;
-    /// What it is made for.
-    TileObjects objects() const;
+    /// What objects leave of the light of the shading texture and, in a, of the visible fraction of
+    /// the sun: RGBA16F, texels of TileObject; and the objects that it is of. Null: there are none.
+    struct DrawnObjects
+    {
+        osg::ref_ptr<osg::Texture2D> factor;
+        TileObjects objects;
+    };
+    /// Nothing where it is not computed yet in one of the contexts: what was drawn before stays.
+    std::optional<DrawnObjects> drawnObjects(const std::set<unsigned>& contexts) const;
+    /// Grows where drawnObjects() may give something else.
+    unsigned objectsRevision() const;
 
     /// Read-back, all in tile order (row 0 south). Call after update().
     /// Of glossLight(), layer after layer, four values per post.
@@ -206,6 +213,8 @@ private:
     osg::ref_ptr<Resource> _shading, _glossLight, _edges, _factor;
     osg::ref_ptr<Resource> _direct;               ///< light; the shading where there are no bounces
     std::vector<osg::ref_ptr<Resource>> _bounces; ///< light of each
+    mutable std::set<unsigned> _factorContexts; ///< that have it as it is; guarded by _mutex, as the next
+    unsigned _objectsRevision = 0;
     mutable WorkGraph _graph;
     Status _declared = Nothing{};
     bool _resting = false; ///< there are no nodes, and there is no surface

@@ -62,10 +62,11 @@ public:
             return;
         osg::TriangleFunctor<AddTriangle> add;
         add.mesh = &mesh;
-        add.toObject = toObject;
+        add.toObject = toObject * osg::Matrixd::translate(-middle);
         drawable.accept(add);
     }
     TriangleMesh mesh;
+    osg::Vec3d middle; ///< that the mesh is about
     const osg::Drawable* last = nullptr;
     osg::Matrixd toObject; ///< of the last
     int count = 0;
@@ -142,6 +143,12 @@ std::optional<ObjectShape> ObjectField::shape(osg::Group& object)
     {
         _bound = bound;
         make(object);
+        _still = 0;
+    }
+    else if (_isMesh && ++_still >= updatesToSample)
+    {
+        _isMesh = false;
+        startSampling(object);
     }
     takeSampled();
     return _shape;
@@ -152,6 +159,7 @@ void ObjectField::make(osg::Group& object)
     _isDirty = false;
     _shape.reset();
     _sampling = nullptr; // of a form that is gone
+    _isMesh = false;
     using Field = PlacedObject::Field;
     PartCollector parts(false);
     object.accept(parts);
@@ -179,13 +187,14 @@ void ObjectField::make(osg::Group& object)
                    kind == ObjectShape::Kind::Cylinder
                        ? glm::dvec3(0.5 * (half.x + half.y), 0.5 * (half.x + half.y), half.z)
                        : half);
-    if (field == Field::Mesh || field == Field::Automatic)
-        startSampling(object);
+    _isMesh = field == Field::Mesh || field == Field::Automatic;
 }
 
 void ObjectField::startSampling(osg::Group& object)
 {
     PartCollector parts(true);
+    _middle = object.getBound().center();
+    parts.middle = _middle;
     object.accept(parts);
     if (!parts.mesh.triangles.empty())
         _sampling = sampleMesh(std::move(parts.mesh), object.getName());
@@ -202,6 +211,7 @@ void ObjectField::takeSampled()
     ObjectShape mesh;
     mesh.kind = ObjectShape::Kind::Mesh;
     mesh.grid = grid;
+    mesh.toScene = glm::translate(glm::dmat4(1.0), vector(_middle));
     _shape = mesh;
 }
 

@@ -26,7 +26,7 @@ public:
     PlacedObject::Field field = PlacedObject::Field::Automatic;
 
     void dirty() { _isDirty = true; }
-    bool isReady() const { return !_isDirty && !_sampling; }
+    bool isReady() const { return !_isDirty && !_isMesh && !_sampling; }
 
     /// As it is now; none where there is nothing to be seen, or none is wanted.
     std::optional<ObjectShape> shape(osg::Group& object);
@@ -41,7 +41,14 @@ private:
     void startSampling(osg::Group& object);
     void takeSampled();
 
+    /// A mesh is sampled once its form has stood still for so many updates, and is a box until
+    /// then: one with parts that turn would be sampled in each.
+    static constexpr int updatesToSample = 10;
+
     bool _isDirty = true;
+    bool _isMesh = false; ///< that is not sampled yet
+    int _still = 0;       ///< updates
+    osg::Vec3d _middle;   ///< that the mesh is sampled about: a frame may be far from its origin
     bool _hasMaterials = false, _ownMaterials = false;
     osg::BoundingSphere _bound; ///< of the object, when the shape was made
     std::optional<ObjectShape> _shape;

@@ -6,10 +6,20 @@
 #include <osg/Transform>
 #include <osgUtil/CullVisitor>
 
+#include <osg/Notify>
+
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
 
 namespace osgTerrainLight
 {
+
+namespace
+{
+constexpr double largest = 1.0e5; ///< side of an object [m]
+} // namespace
 
 struct PlacedObject::Implementation
 {
@@ -136,6 +146,18 @@ void ObjectRegistry::see(PlacedObject& object, const osg::Matrixd& toScene)
     {
         seen.shape->toScene = toGlm(toScene) * seen.shape->toScene;
         seen.bounds = boundsOf(*seen.shape);
+        // What is not finite, or larger than any object, would take the others with it.
+        const glm::dvec3 size = seen.bounds.high - seen.bounds.low;
+        const double longest = std::max({size.x, size.y, size.z});
+        if (!(std::isfinite(seen.bounds.low.x + seen.bounds.low.y + seen.bounds.low.z) &&
+              longest >= 0.0 && longest <= largest))
+        {
+            if (!std::exchange(_saidSize, true))
+                OSG_WARN << "osgTerrainLight: object '" << object.getName()
+                         << "' changes no light: its place is not finite, or it is larger than "
+                         << largest << " m" << std::endl;
+            return;
+        }
     }
     else if (bound.valid())
     {
@@ -214,8 +236,9 @@ bool ObjectRegistry::follow(ObjectLight& light, const TileRegistry& tiles, Probe
                                     tile.corner->z() + dem.heightOrigin);
             changed = ground.setObjects(objectsOn(light.placed(), corner, dem, shadows)) || changed;
         });
-    if (light.placed().empty())
-        _told.clear();
+    for (auto told = _told.begin(); told != _told.end();)
+        told =
+            light.placed().empty() || !told->second.valid() ? _told.erase(told) : std::next(told);
     return changed;
 }
 

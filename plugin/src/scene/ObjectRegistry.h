@@ -51,6 +51,7 @@ private:
     std::size_t _count = 0;                  ///< of those that the last one saw, with a shape
     ObjectSurfaces _surfaces;
     const osg::Group* _root = nullptr;
+    bool _saidSize = false;   ///< that one is of no size
     glm::dvec2 _shadows{0.0}; ///< that tiles were told of
     std::map<TileHandle, osg::observer_ptr<LitTile>> _told;
 };

@@ -23,7 +23,6 @@ namespace
 {
 
 constexpr double radiansPerDegree = 3.14159265358979323846 / 180.0;
-constexpr unsigned mostCones = 32; ///< as in terrain_objects.glsl
 
 /// A probe is made anew where its object has moved by this part of its size, or has come to rest:
 /// what a probe sees changes over the size of what it stands for, and a whole tile's horizon is
@@ -103,18 +102,14 @@ ObjectState::ObjectState() : program(new osg::StateSet), programOnly(new osg::St
 {
     const ConeSet set = ConeSet::of(16);
     _cones = new osg::Uniform(osg::Uniform::FLOAT_VEC4, "osgTerrainLight_objectCones",
-                              static_cast<int>(mostCones + 2));
+                              static_cast<int>(ConeSet::most + 2));
     _around = new osg::Uniform(osg::Uniform::UNSIGNED_INT, "osgTerrainLight_objectAround",
-                               static_cast<int>(mostCones));
+                               static_cast<int>(ConeSet::most));
+    unsigned next = 0;
+    for (const std::array<float, 4>& each : set.packed())
+        _cones->setElement(next++, osg::Vec4f(each[0], each[1], each[2], each[3]));
     for (unsigned i = 0; i < set.cones.size(); ++i)
-    {
-        const ConeSet::Cone& cone = set.cones[i];
-        _cones->setElement(i, osg::Vec4f(cone.axis[0], cone.axis[1], cone.axis[2], cone.sine));
-        _around->setElement(i, cone.around);
-    }
-    _cones->setElement(mostCones, osg::Vec4f(set.fit[0], set.fit[1], set.fit[2], set.fit[3]));
-    _cones->setElement(mostCones + 1,
-                       osg::Vec4f(static_cast<float>(set.cones.size()), set.stride, 0.0f, 0.0f));
+        _around->setElement(i, set.cones[i].around);
     const osg::ref_ptr<osg::Program> shared = createObjectProgram();
     for (const auto& stateSet : {program, programOnly})
     {
@@ -232,13 +227,16 @@ void ObjectSurfaces::followProbe(ObjectSurface& surface, const ObjectBounds& bou
     const glm::dvec3 size = bounds.high - bounds.low;
     const double moved = (middle - surface._probePlace).length();
     const bool isOtherTile = isNew || surface._tile != tile->handle;
-    if (isOtherTile || moved > movesBy * std::max({size.x, size.y, size.z}) ||
-        (isAtRest && moved > 0.0))
+    osg::Vec3d corner = *tile->corner;
+    corner.z() += tile->lit->lighting().tile().heightOrigin;
+    if (isOtherTile || corner != surface._probeCorner ||
+        moved > movesBy * std::max({size.x, size.y, size.z}) || (isAtRest && moved > 0.0))
     {
         surface._probePlace = middle;
-        surface._probe->setPlace(middle.x() - tile->corner->x(), middle.y() - tile->corner->y());
-        const double zero = tile->corner->z() + tile->lit->lighting().tile().heightOrigin;
-        surface._probe->setHeight(middle.z() - zero, false);
+        surface._probeCorner = corner;
+        const osg::Vec3d place = middle - corner;
+        surface._probe->setPlace(place.x(), place.y());
+        surface._probe->setHeight(place.z(), false);
     }
     if (!isOtherTile)
         return;
@@ -289,8 +287,12 @@ void ObjectSurfaces::followVolume(ObjectSurface& surface, const Seen& seen,
         return;
     }
     const ObjectCluster& cluster = found->cluster;
-    if (found->node != surface._own.node)
+    // The one before is read until the own one is there.
+    if (found->node != surface._own.node && surface._own.stateSet)
         surface._former = surface._own;
+    else if (surface._former.node && surface._own.stateSet &&
+             found->node->isWrittenWhere(*surface._former.node))
+        surface._former = {};
     osg::Texture* volume = found->node->volume()->texture();
     if (surface._own.stateSet && found->node == surface._own.node &&
         cluster.content.low == surface._content.low &&
@@ -341,6 +343,7 @@ void ObjectSurfaces::releaseGLObjects(osg::State* state) const
     for (const Object& each : _objects)
         if (const LightProbe* probe = each.surface->_probe)
         {
+            each.surface->_former = {}; // its volume is gone
             each.surface->_probed->remove(state ? state->getContextID() : ~0u);
             probe->getDiffuseMap()->releaseGLObjects(state);
             probe->getGlossyMap()->releaseGLObjects(state);

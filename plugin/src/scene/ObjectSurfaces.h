@@ -73,6 +73,7 @@ private:
     std::shared_ptr<ContextSet> _probed;
     TileHandle _tile;
     osg::Vec3d _probePlace, _middle; ///< of the probe, and of the object at the last update
+    osg::Vec3d _probeCorner; ///< of the tile's post (0, 0) at its heightOrigin, for the probe
     /// In its volume; in the one before, until that is there; and without one.
     Light _own, _former, _open;
     ObjectBounds _content; ///< that _own knows

@@ -116,7 +116,7 @@ std::string Scheduler::failure() const
     for (const auto& tile : _tiles)
         if (const std::string failure = tile->failure(); !failure.empty())
             return tile->name() + ": " + failure;
-    return _unsupported;
+    return _unsupported.empty() ? _objectsFailure : _unsupported;
 }
 
 bool Scheduler::supports(osg::State& state, Context& context)
@@ -261,7 +261,7 @@ bool Scheduler::updateObjects(osg::State& state, FramePace& pace)
     const Status updated = _objects->update(state, &pace);
     if (updated)
         return !pace.isStopped();
-    OSG_WARN << "osgTerrainLight: placed objects do not change the light: "
+    OSG_WARN << "osgTerrainLight: objects are drawn without what they do to light: "
              << updated.error().message << std::endl;
     Lock lock(_mutex);
     _objectsFailure = updated.error().message;
@@ -282,10 +282,10 @@ bool Scheduler::update(LitTile& tile, osg::State& state, FramePace& pace)
         return false;
     const osg::ref_ptr<osg::Texture2DArray> gloss = tile.lighting().glossLight();
     const osg::ref_ptr<osg::Texture2D> edges = tile.lighting().shadowEdges();
-    const osg::ref_ptr<osg::Texture2D> objects = tile.lighting().objectFactor();
+    const unsigned objects = tile.lighting().objectsRevision();
     const Status updated = tile.update(state, light, &pace);
     if (tile.lighting().glossLight() != gloss || tile.lighting().shadowEdges() != edges ||
-        tile.lighting().objectFactor() != objects)
+        tile.lighting().objectsRevision() != objects)
         ++_textureRevision;
     if (!updated)
     {

@@ -329,10 +329,7 @@ void TerrainTiles::use(SceneTile& tile, const FoundTile& found, bool fresh)
     if (!heights)
         return fail(tile, heights.error().message);
     tile.corner = cornerOf(terrain, found.toScene, heights->dem);
-    const bool hasWindows = heights->windows != nullptr;
     surround(tile, found, *heights);
-    if (tile.corner && heights->windows && !hasWindows)
-        tile.corner->z() = 0.0; // heights on the map are those of the scene
     std::optional<ShadingCoordinates> coordinates = affineCoordinates(terrain, parts);
     tile.withoutGeometry = parts.empty();
     tile.byTexCoord = !coordinates;

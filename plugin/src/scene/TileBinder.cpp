@@ -183,7 +183,10 @@ void TileBinder::followEdges(SceneTile& tile)
 
 void TileBinder::followObjects(SceneTile& tile)
 {
-    osg::ref_ptr<osg::Texture2D> factor = tile.lit->lighting().objectFactor();
+    const auto drawn = tile.lit->lighting().drawnObjects(tile.lit->litContexts());
+    if (!drawn)
+        return;
+    osg::ref_ptr<osg::Texture2D> factor = drawn->factor;
     const unsigned unit = ShadingTexture::objectsUnit;
     if (factor && (unit == tile.binding->unit() || unit == units.gloss ||
                    (tile.dynamic && tile.dynamic->getHeightUnit() == unit)))
@@ -195,7 +198,7 @@ void TileBinder::followObjects(SceneTile& tile)
                      << ", theirs, is that of the shading, of gloss or of heights" << std::endl;
     }
     const DemTile& ground = tile.lit->lighting().tile();
-    tile.binding->setObjects(factor, tile.lit->lighting().objects(),
+    tile.binding->setObjects(factor, drawn->objects,
                              {ground.nominalEastSpacing(), ground.northSpacing});
 }
 

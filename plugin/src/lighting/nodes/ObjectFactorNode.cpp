@@ -13,7 +13,6 @@ namespace osgTerrainLight
 namespace
 {
 constexpr double radiansPerDegree = 3.14159265358979323846 / 180.0;
-constexpr std::size_t mostCones = 32;
 
 osg::Vec3f vector(const glm::dvec3& v)
 {
@@ -29,7 +28,7 @@ osg::Vec2f vector(const glm::dvec2& v)
 ObjectFactorNode::ObjectFactorNode(const TileInputs& inputs, const TileSurface& surface,
                                    const Light& light, Resource* factor)
     : Node("object factor"), _inputs(&inputs), _surface(&surface), _hasHorizon(light.horizon),
-      _factor(factor), _pass(own(new GpuPass("object_factor")))
+      _pass(own(new GpuPass("object_factor")))
 {
     // It is drawn.
     factor->keepWhole();
@@ -70,17 +69,12 @@ TextureLayout ObjectFactorNode::layoutOf(const TileObjects& objects)
 void ObjectFactorNode::setCones()
 {
     const ConeSet set = ConeSet::of(16);
-    std::vector<osg::Vec4f> values(mostCones + 2);
+    std::vector<osg::Vec4f> values;
+    for (const std::array<float, 4>& each : set.packed())
+        values.emplace_back(each[0], each[1], each[2], each[3]);
     osg::ref_ptr<osg::UIntArray> around = new osg::UIntArray;
-    for (std::size_t i = 0; i < set.cones.size(); ++i)
-    {
-        const ConeSet::Cone& cone = set.cones[i];
-        values[i] = osg::Vec4f(cone.axis[0], cone.axis[1], cone.axis[2], cone.sine);
+    for (const ConeSet::Cone& cone : set.cones)
         around->push_back(cone.around);
-    }
-    values[mostCones] = osg::Vec4f(set.fit[0], set.fit[1], set.fit[2], set.fit[3]);
-    values[mostCones + 1] =
-        osg::Vec4f(static_cast<float>(set.cones.size()), set.stride, 0.0f, 0.0f);
     _pass->setBlock(values, 0);
     _pass->setStorage(0, around);
 }
@@ -102,6 +96,9 @@ Status ObjectFactorNode::dispatch(osg::State& state, const TileObject& object)
     _pass->set("pitch", static_cast<float>(object.pitch));
     _pass->set("texels", object.texels.x, object.texels.y);
     _pass->set("row", object.row);
+    // A volume that was replaced, or could not be computed.
+    const osg::Texture* volume = object.volume->texture();
+    _pass->set("known", volume && volume->getTextureObject(state.getContextID()));
     _pass->reads("volume", object.volume);
     return _pass->dispatch(
         state, {GpuPass::groupsFor(object.texels.x, 8), GpuPass::groupsFor(object.texels.y, 8), 1});

@@ -34,7 +34,6 @@ private:
     osg::ref_ptr<const TileInputs> _inputs;
     osg::ref_ptr<const TileSurface> _surface;
     bool _hasHorizon;
-    Resource* _factor;
     GpuPass* _pass;
 };
 

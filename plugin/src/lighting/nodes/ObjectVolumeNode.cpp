@@ -120,7 +120,9 @@ void ObjectVolumeNode::setShapes()
         distances->push_back(0.0f);
     _pass->set("shapeCount", static_cast<int>(_cluster.shapes.size()));
     _pass->setStorage(0, values);
-    _pass->setStorage(2, distances);
+    if (_grids != places || !_isSet)
+        _pass->setStorage(2, distances);
+    _grids = std::move(places);
     _shapesSet = _cluster.shapes;
     _isSet = true;
 }

@@ -5,7 +5,6 @@
 #include "gpu/WorkGraph.h"
 
 #include <map>
-#include <memory>
 #include <vector>
 
 namespace osgTerrainLight
@@ -26,6 +25,11 @@ public:
     Resource* volume() const { return _volume; }
     /// Whether it holds distances to all shapes of some run. In any thread.
     bool isWritten(unsigned context) const { return _complete.has(context); }
+    /// Whether it does in all contexts in which the other does.
+    bool isWrittenWhere(const ObjectVolumeNode& other) const
+    {
+        return _complete.hasAllOf(other._complete);
+    }
     /// A context (all: ~0u) has lost it.
     void forget(unsigned context);
     /// Bricks that the last run computed.
@@ -49,9 +53,10 @@ private:
         Bricks unfinished;               ///< of runs that have stopped; empty: none
         bool any = false;
     };
-    std::map<unsigned, Written> _written; ///< by context
-    ContextSet _complete;                 ///< contexts in which a run has ended
-    std::vector<ObjectShape> _shapesSet;  ///< on the pass
+    std::map<unsigned, Written> _written;      ///< by context
+    ContextSet _complete;                      ///< contexts in which a run has ended
+    std::vector<ObjectShape> _shapesSet;       ///< on the pass
+    std::map<const DistanceGrid*, int> _grids; ///< likewise, and where each begins
     bool _isSet = false;
     std::size_t _lastBricks = 0;
 };
