@@ -213,7 +213,8 @@ private:
     osg::ref_ptr<Resource> _shading, _glossLight, _edges, _factor;
     osg::ref_ptr<Resource> _direct;               ///< light; the shading where there are no bounces
     std::vector<osg::ref_ptr<Resource>> _bounces; ///< light of each
-    mutable std::set<unsigned> _factorContexts; ///< that have it as it is; guarded by _mutex, as the next
+    mutable std::set<unsigned>
+        _factorContexts; ///< that have it as it is; guarded by _mutex, as the next
     unsigned _objectsRevision = 0;
     mutable WorkGraph _graph;
     Status _declared = Nothing{};
