@@ -3,12 +3,15 @@
 // there is no display.
 #include <osgTerrainLight/DynamicTerrain.h>
 #include <osgTerrainLight/LightingHandler.h>
+#include <osgTerrainLight/PlacedObject.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include "support/AnalyticTerrain.h"
 #include "terrain/TerrainModel.h"
 
+#include <osg/Geode>
 #include <osg/MatrixTransform>
+#include <osg/ShapeDrawable>
 #include <osgTerrain/TerrainTile>
 #include <osgViewer/CompositeViewer>
 
@@ -85,6 +88,7 @@ public:
     void levelsComeAndGo();
     void editsOfWhatIsDrawn();
     void heightsThatChange();
+    void objectsThatMove();
     void aRunningClock();
     void close();
 
@@ -313,6 +317,39 @@ void Windows::lightingComesAbove(osg::Node* terrain, osgTerrain::TerrainTile& ti
     show(_lighting);
 }
 
+/// Objects come, move, turn, are of other fields and go, with and without a budget, so that volumes
+/// and what they do to the ground are computed anew while they are drawn.
+void Windows::objectsThatMove()
+{
+    const auto object = [](double size)
+    {
+        const osg::ref_ptr<osg::Geode> geode = new osg::Geode;
+        geode->addDrawable(new osg::ShapeDrawable(new osg::Box(osg::Vec3(), float(size))));
+        const osg::ref_ptr<PlacedObject> placed = new PlacedObject;
+        placed->addChild(geode);
+        return placed;
+    };
+    const osg::ref_ptr<osg::MatrixTransform> moving = new osg::MatrixTransform;
+    const osg::ref_ptr<PlacedObject> first = object(8.0), second = object(12.0);
+    moving->addChild(first);
+    _lighting->addChild(moving);
+    for (int i = 0; i < 80; ++i)
+    {
+        moving->setMatrix(osg::Matrix::rotate(0.1 * i, osg::Z_AXIS) *
+                          osg::Matrix::translate(200.0 - i, 200.0, 10.0));
+        _lighting->setTimeBudget(i % 20 < 10 ? 0.0 : 1.0e-3);
+        if (i % 10 == 3)
+            _lighting->addChild(second);
+        if (i % 10 == 8)
+            _lighting->removeChild(second);
+        first->setField(i % 30 < 15 ? PlacedObject::Field::Automatic : PlacedObject::Field::Mesh);
+        _viewer.frame();
+    }
+    _lighting->removeChild(moving);
+    _lighting->setTimeBudget(0.0);
+    check(false, "after objects came and went");
+}
+
 /// Heights that change in every frame, and at last are the cone's.
 void Windows::heightsThatChange()
 {
@@ -389,6 +426,7 @@ int main(int argc, char** argv)
     windows.levelsComeAndGo();
     windows.editsOfWhatIsDrawn();
     windows.heightsThatChange();
+    windows.objectsThatMove();
     windows.aRunningClock();
     windows.close();
     return failures ? 1 : 0;
