@@ -44,6 +44,7 @@ struct Options
     BodyRadius bodyRadius = BodyRadius::Unsaid;
     CameraPlace camera;
     int frames = 100;
+    bool geocentric = false;
 };
 
 const std::string suffix = ".terrainlight"; // asks for our reader
@@ -112,6 +113,7 @@ GivenLight givenLight(const CLI::App& app, const Options& options)
         given.changes.push_back([light = options.light](LightParameters& parameters)
                                 { findLightKey("light")->copy(parameters, light); });
     given.read = options.read;
+    given.geocentric = options.geocentric;
     return given;
 }
 
@@ -130,6 +132,17 @@ Status takeRadius(Options& options)
     return Nothing{};
 }
 
+/// A scene on a globe without the transform to geocentric coordinates: cameras are placed in axes
+/// of the middle of its terrain.
+osg::Node& inOwnFrame(osg::Node& scene)
+{
+    auto* globe = dynamic_cast<osg::CoordinateSystemNode*>(&scene);
+    osg::Transform* toWorld =
+        globe && globe->getNumChildren() == 1 ? globe->getChild(0)->asTransform() : nullptr;
+    osg::Node* lit = toWorld && toWorld->getNumChildren() == 1 ? toWorld->getChild(0) : nullptr;
+    return dynamic_cast<TerrainLighting*>(lit) ? *lit : scene;
+}
+
 Result<osg::ref_ptr<osg::Node>> load(const CLI::App& app, const Options& options)
 {
     registerReader();
@@ -140,7 +153,7 @@ Result<osg::ref_ptr<osg::Node>> load(const CLI::App& app, const Options& options
     osgDB::ReaderWriter::ReadResult result =
         osgDB::Registry::instance()->readNode(readableName(options.scene), reading);
     if (result.validNode())
-        return osg::ref_ptr<osg::Node>(result.getNode());
+        return osg::ref_ptr<osg::Node>(&inOwnFrame(*result.getNode()));
     const bool isError = result.status() == osgDB::ReaderWriter::ReadResult::ERROR_IN_READING_FILE;
     VSIStatBufL stat;
     if (!isError && osgDB::findDataFile(options.scene).empty() &&
@@ -418,6 +431,9 @@ Mode addRender(CLI::App& tool)
         app->get_option(of)->needs("--gloss");
     addCellSize(*app, [options](double size) { options->read.cellSize = size; });
     addHeightOptions(*app, options->read);
+    app->add_flag("--geocentric", options->geocentric,
+                  "Terrain in longitude and latitude lies on its ellipsoid, as in osgviewer with "
+                  "-O geocentric=1; scene coordinates are then metres about its middle");
     addLimitedNumbers(*app, "--frames", "N", {{"frames", 1.0, 100000.0, true}},
                       "Frames drawn at most while the picture still changes; default 100",
                       [options](const auto& v) { options->frames = static_cast<int>(v[0]); });

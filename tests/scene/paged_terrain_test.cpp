@@ -259,12 +259,34 @@ TEST(PagedTerrain, SkirtsHangFromTilesAndAreNotLitBy)
         float range = 0.0f;
         for (int i = 0; i + 1 < dem.width(); ++i)
             range = std::max(range, std::abs(dem.heightAt(i, 0) - dem.heightAt(i + 1, 0)));
-        EXPECT_GE(layer->getHeightField()->getSkirtHeight(), range);
         for (int row = 0; row < dem.height(); ++row)
             for (int column = 0; column < dem.width(); ++column)
                 ASSERT_EQ(layer->getHeightField()->getHeight(static_cast<unsigned>(column),
                                                              static_cast<unsigned>(row)),
                           dem.heightAt(column, row));
+        // Straight down, on slopes too: every vertex stands over a post.
+        struct Vertices : osg::NodeVisitor
+        {
+            Vertices() : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN) {}
+            void apply(osg::Geometry& geometry) override
+            {
+                const osg::Matrixd toTile = osg::computeLocalToWorld(getNodePath());
+                const auto& all = dynamic_cast<const osg::Vec3Array&>(*geometry.getVertexArray());
+                for (const osg::Vec3& vertex : all)
+                    places.push_back(osg::Vec3d(vertex) * toTile);
+            }
+            std::vector<osg::Vec3d> places;
+        } drawn;
+        tile->accept(drawn);
+        // Of each post of the edges two more: there and below.
+        ASSERT_EQ(drawn.places.size(), dem.postCount() + 8u * 33u);
+        for (std::size_t i = dem.postCount(); i < drawn.places.size(); i += 2)
+            EXPECT_GE(drawn.places[i].z() - drawn.places[i + 1].z(), double(range) - 1.0e-3);
+        for (const osg::Vec3d& place : drawn.places)
+        {
+            EXPECT_NEAR(place.x() / 30.0, std::round(place.x() / 30.0), 1.0e-4);
+            EXPECT_NEAR(place.y() / 30.0, std::round(place.y() / 30.0), 1.0e-4);
+        }
     }
 }
 
@@ -367,6 +389,51 @@ TEST(PagedTerrain, SeesWhatTheWholeRasterShows)
         EXPECT_LE(found.mean, 1.1 * withAll.mean + 0.003) << ground.name;
         EXPECT_LE(found.p99, 1.1 * withAll.p99 + 0.003) << ground.name;
     }
+}
+
+// Around small voids, too, on all levels, with what surrounds the tile.
+TEST(PagedTerrain, DrawnPostsAreLit)
+{
+    using namespace osgTerrainLight::testing;
+    OTL_NEED_GL(context);
+    const std::string path =
+        rasterOf(2305,
+                 [](int column, int row)
+                 {
+                     const unsigned patch = (static_cast<unsigned>(column / 9) * 2654435761u) ^
+                                            (static_cast<unsigned>(row / 5) * 2246822519u);
+                     return (patch >> 9) % 100 < 4
+                                ? -9999.0
+                                : 800.0 + 300.0 * std::sin(0.05 * column) * std::sin(0.04 * row);
+                 });
+    const osg::ref_ptr<PagedTerrain> terrain = paged(path);
+    const auto root = terrain->root();
+    ASSERT_TRUE(root);
+    TileCase lit = underSky(8);
+    int tiles = 0;
+    for (const osg::ref_ptr<osg::Node>& node :
+         {osg::ref_ptr<osg::Node>(*root), childrenOf(*terrain, "4/0/0"),
+          childrenOf(*terrain, "2/1/2")})
+        for (osgTerrain::TerrainTile* tile : tilesIn(*node))
+        {
+            const auto windows = windowsOf(*tile);
+            const osg::ref_ptr<TileLight> light = new TileLight(windows, lit.settings, lit.sky);
+            ASSERT_TRUE(light->update(context->state()));
+            const Raster<osg::Vec4f> shading = light->readShading(context->state());
+            int dark = 0, valid = 0;
+            for (int row = 0; row < shading.height(); ++row)
+                for (int column = 0; column < shading.width(); ++column)
+                    if (windows->tile.isValid(column, row))
+                    {
+                        ++valid;
+                        dark += shading.at(column, row).y() < 0.05f ? 1 : 0;
+                    }
+            std::printf("tile %d/%d/%d: %d valid, %d dark\n", tile->getTileID().level,
+                        tile->getTileID().x, tile->getTileID().y, valid, dark);
+            EXPECT_EQ(dark, 0);
+            ++tiles;
+        }
+    EXPECT_GE(tiles, 3);
 }
 
 TEST(PagedTerrain, IsLoadedByThePagerAndLit)

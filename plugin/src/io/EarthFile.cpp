@@ -71,6 +71,8 @@ public:
                                                      root.name() + ">; needs <map>");
 
         _map.name = valueOf(root, "name");
+        const std::string type = lowerCase(valueOf(root, "type"));
+        _map.geocentric = type == "geocentric" || type == "round";
         for (const pugi::xml_node& element : root.children())
         {
             if (element.type() != pugi::node_element)

@@ -29,6 +29,7 @@ struct EarthLayer
 struct EarthMap
 {
     std::string name;
+    bool geocentric = false;   ///< its terrain lies on a globe
     std::string verticalDatum; ///< that heights are brought to (<profile>); empty: none is named
     std::vector<EarthLayer> elevations;
     std::vector<EarthLayer> images; ///< bottom first

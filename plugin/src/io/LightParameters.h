@@ -57,6 +57,7 @@ struct GivenLight
     static constexpr const char* pluginData = "osgTerrainLight::GivenLight";
     std::vector<std::function<void(LightParameters&)>> changes; ///< in this order
     DemReadOptions read;                                        ///< of a raster
+    bool geocentric = false;                                    ///< terrain lies on its ellipsoid
 };
 
 /// Sets one number or colour of a key light by its name.

@@ -33,11 +33,19 @@ struct ReaderOptions
 {
     LightParameters light;
     DemReadOptions read;
+    bool geocentric = false;
     std::string word; ///< the first that is no name=value: another plugin's, if anyone's
 };
 
 Status setOption(ReaderOptions& options, const std::string& name, const std::string& value)
 {
+    if (name == "geocentric")
+    {
+        if (value != "0" && value != "1")
+            return Error{ErrorCode::Invalid, "geocentric = \"" + value + "\": needs 0 or 1"};
+        options.geocentric = value == "1";
+        return Nothing{};
+    }
     const bool ofReading =
         std::find(readOptionNames.begin(), readOptionNames.end(), name) != readOptionNames.end();
     return ofReading ? setReadOption(options.read, name, value)
@@ -56,6 +64,7 @@ Result<ReaderOptions> parseOptions(const osgDB::Options* given, const LightParam
         for (const auto& change : asked->changes)
             change(options.light);
         options.read = asked->read;
+        options.geocentric = asked->geocentric;
     }
     std::istringstream words(given ? given->getOptionString() : "");
     std::string word;
@@ -96,6 +105,7 @@ public:
         supportsOption("cell_size=METRES", "between posts of a raster without geotransform");
         supportsOption("unit=NAME", "of heights, instead of what the raster says");
         supportsOption("z_factor=NUMBER", "that heights are multiplied by");
+        supportsOption("geocentric=1", "terrain in longitude and latitude lies on its ellipsoid");
     }
 
     const char* className() const override { return "Terrain lighting reader"; }
@@ -185,6 +195,7 @@ private:
         if (!options->word.empty())
             return failed(source + ": reader option " + options->word + ": needs NAME=VALUE");
         map->light = options->light;
+        map->geocentric = map->geocentric || options->geocentric;
         const Result<TerrainModel> model = loadMap(*map, folder, source);
         return model ? shown(*model) : failed(model.error().message);
     }
@@ -198,7 +209,8 @@ private:
         Error reason;
         if (exists)
         {
-            const Result<TerrainModel> model = loadRaster(path, options->read, options->light);
+            const Result<TerrainModel> model =
+                loadRaster(path, options->read, options->light, options->geocentric);
             if (model && !options->word.empty())
                 return failed(path + ": reader option " + options->word + ": needs NAME=VALUE");
             if (model)
@@ -240,9 +252,12 @@ private:
                 model.terrain, model.viewpoints.empty()
                                    ? std::optional<Viewpoint>()
                                    : std::optional<Viewpoint>(model.viewpoints.front())));
-            addSkyDome(*model.node);
+            // Seen from space there is no sky around the camera.
+            if (!model.globe || model.terrain.radius() < 0.1 * model.globe->radius())
+                addSkyDome(*model.node);
         }
-        return ReadResult(model.node.get());
+        return model.globe ? ReadResult(model.globe->around(*model.node).get())
+                           : ReadResult(model.node.get());
     }
 };
 

@@ -4,6 +4,7 @@
 #include "lighting/TileWindows.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace osgTerrainLight
@@ -21,15 +22,44 @@ LitTile::LitTile(std::string name, const DemTile& dem, std::shared_ptr<const Sce
 }
 
 LitTile::LitTile(std::string name, const std::shared_ptr<const TileWindows>& windows,
-                 std::shared_ptr<const SceneLight> light)
+                 std::shared_ptr<const SceneLight> light, const std::optional<osg::Matrixd>& turn)
     : _name(std::move(name)), _surrounded(true), _hasMargin(light->settings.bounces > 0),
-      _light(std::move(light))
+      _turn(turn), _light(std::move(light))
 {
     const auto lit = _hasMargin ? withLitMargin(*windows, bounceMargin) : windows;
     _margin = {windows->place.column - lit->place.column, windows->place.row - lit->place.row,
                lit->place.endColumn() - windows->place.endColumn(),
                lit->place.endRow() - windows->place.endRow()};
-    _lighting = new TileLight(lit, _light->settings, _light->sky);
+    _lighting = new TileLight(lit, _light->settings, turned(_light->sky));
+}
+
+/// Where the sun and the key lights stand for the tile. An environment keeps its heading.
+SkyLight LitTile::turned(const SkyLight& sky) const
+{
+    if (!_turn)
+        return sky;
+    constexpr double degrees = 180.0 / 3.14159265358979323846;
+    const auto turn = [&](double& azimuth, double& elevation)
+    {
+        const double a = azimuth / degrees, e = elevation / degrees;
+        osg::Vec3d towards(std::sin(a) * std::cos(e), std::cos(a) * std::cos(e), std::sin(e));
+        towards = osg::Matrixd::transform3x3(towards, *_turn);
+        elevation = degrees * std::asin(std::clamp(towards.z(), -1.0, 1.0));
+        azimuth = degrees * std::atan2(towards.x(), towards.y());
+        if (azimuth < 0.0)
+            azimuth += 360.0;
+    };
+    SkyLight own = sky;
+    turn(own.sunAzimuth, own.sunElevation);
+    for (KeyLight& key : own.keyLights) // as wide and as high as before, about another middle
+    {
+        const double half = 0.5 * (key.highest - key.lowest);
+        double middle = 0.5 * (key.highest + key.lowest);
+        turn(key.azimuth, middle);
+        key.lowest = std::max(middle - half, -90.0);
+        key.highest = std::min(middle + half, 90.0);
+    }
+    return own;
 }
 
 osg::Matrixd LitTile::fromDrawn() const
@@ -50,7 +80,7 @@ Status LitTile::update(osg::State& state, const std::shared_ptr<const SceneLight
         if (_light->settingsVersion < light->settingsVersion)
             _lighting->setSettings(light->settings);
         if (_light->skyVersion < light->skyVersion)
-            _lighting->setSky(light->sky);
+            _lighting->setSky(turned(light->sky));
         if (isNewer(*light))
             _light = light;
     }

@@ -38,8 +38,9 @@ public:
     LitTile(std::string name, const DemTile& dem, std::shared_ptr<const SceneLight> light);
     /// A tile and what surrounds it. Where there are bounces it is lit with a margin of posts
     /// around it, which is not drawn, so that they find their neighbours' light.
+    /// turn: the rotation from the light's axes to the tile's, where they are not the same.
     LitTile(std::string name, const std::shared_ptr<const TileWindows>& windows,
-            std::shared_ptr<const SceneLight> light);
+            std::shared_ptr<const SceneLight> light, const std::optional<osg::Matrixd>& turn = {});
 
     /// Of posts on each side that are lit and not drawn.
     struct Margin
@@ -124,10 +125,12 @@ public:
 private:
     ~LitTile() override = default;
     bool isNewer(const SceneLight& light) const;
+    SkyLight turned(const SkyLight& sky) const;
 
     const std::string _name;
     const bool _surrounded = false, _hasMargin = false;
     Margin _margin;
+    const std::optional<osg::Matrixd> _turn;
     osg::ref_ptr<TileLight> _lighting;
     osg::BoundingSphere _bound;
 

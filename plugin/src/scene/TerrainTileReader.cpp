@@ -39,6 +39,17 @@ private:
     const osg::Matrixd& _toScene;
 };
 
+/// The rotation to axes east, north and up, from those in which two of them are given.
+osg::Matrixd rotationTo(osg::Vec3d east, osg::Vec3d up)
+{
+    up.normalize();
+    east -= up * (east * up);
+    east.normalize();
+    const osg::Vec3d north = up ^ east;
+    return osg::Matrixd(east.x(), north.x(), up.x(), 0.0, east.y(), north.y(), up.y(), 0.0,
+                        east.z(), north.z(), up.z(), 0.0, 0.0, 0.0, 0.0, 1.0);
+}
+
 /// True where v points along axis within a thousandth.
 bool isAlong(osg::Vec3d v, const osg::Vec3d& axis)
 {
@@ -115,13 +126,20 @@ Result<TerrainHeights> readTerrainTile(osgTerrain::TerrainTile& tile, const osg:
 
     const auto* terrain = tile.getTerrain();
     const Placement place(*locator, toScene);
-    const osg::Vec3d up = place.at(0.5, 0.5, 1.0) - place.at(0.5, 0.5);
     const bool geocentric = locator->getCoordinateSystemType() == osgTerrain::Locator::GEOCENTRIC;
+    const osg::Vec3d up = place.at(0.5, 0.5, 1.0) - place.at(0.5, 0.5);
     const double metresPerHeight =
         up.length() * (terrain ? static_cast<double>(terrain->getVerticalScale()) : 1.0);
     const auto* data = dynamic_cast<const DemData*>(tile.getUserData());
-    if (data && metresPerHeight == 1.0 && layer->getModifiedCount() == 0)
-        return TerrainHeights{data->tile(), data->windows()};
+    // Geocentric coordinates are as far from the planet's middle as doubles tell a micrometre.
+    if (data && std::abs(metresPerHeight - 1.0) <= (geocentric ? 1.0e-6 : 0.0) &&
+        layer->getModifiedCount() == 0)
+    {
+        TerrainHeights heights{data->tile(), data->windows()};
+        if (geocentric)
+            heights.turn = rotationTo(place.at(0.51, 0.5) - place.at(0.49, 0.5), up);
+        return heights;
+    }
 
     DemTile dem(width, height, 1.0);
     if (!measure(*locator, place, dem) || (!geocentric && !isAlong(up, {0.0, 0.0, 1.0})))
@@ -274,12 +292,7 @@ osg::Matrixd tileFrame(const osgTerrain::TerrainTile& tile, const std::vector<Ti
         east = osg::Matrixd::transform3x3(east, fromTile);
         up = osg::Matrixd::transform3x3(up, fromTile);
     }
-    up.normalize();
-    east -= up * (east * up);
-    east.normalize();
-    const osg::Vec3d north = up ^ east;
-    return osg::Matrixd(east.x(), north.x(), up.x(), 0.0, east.y(), north.y(), up.y(), 0.0,
-                        east.z(), north.z(), up.z(), 0.0, 0.0, 0.0, 0.0, 1.0);
+    return rotationTo(east, up);
 }
 
 void addTileCoordinates(const osgTerrain::TerrainTile& tile, const std::vector<TilePart>& parts)

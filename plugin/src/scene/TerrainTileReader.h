@@ -54,6 +54,9 @@ struct TerrainHeights
 {
     DemTile dem;
     std::shared_ptr<const TileWindows> windows; ///< null where nothing does
+    /// The rotation from the axes of TerrainLighting to the tile's own: of paged terrain of ours
+    /// that lies on a globe, whose light comes from one sun.
+    std::optional<osg::Matrixd> turn = {};
 };
 
 /// Heights of a tile in metres, through its elevation layer and locator. toScene: from the tile's

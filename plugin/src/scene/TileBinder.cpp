@@ -79,7 +79,7 @@ void TileBinder::bindTerrain(SceneTile& tile, const TerrainHeights& heights,
                              bool program)
 {
     const std::shared_ptr<const SceneLight> now = _scheduler->light();
-    light(tile, heights.windows ? new LitTile(name, heights.windows, now)
+    light(tile, heights.windows ? new LitTile(name, heights.windows, now, heights.turn)
                                 : new LitTile(name, heights.dem, now));
     ShadingCoordinates onLit = coordinates;
     onLit.toTile = coordinates.toTile * tile.lit->fromDrawn();

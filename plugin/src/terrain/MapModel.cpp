@@ -1,5 +1,6 @@
 #include "terrain/TerrainModel.h"
 
+#include "io/AngularCrs.h"
 #include "io/CompositeDem.h"
 #include "io/CompositeRaster.h"
 #include "io/HeightShift.h"
@@ -109,13 +110,31 @@ private:
             else
                 leaveOut(layer, path.error());
         bringToOneDatum(dems, layers);
-        if (std::optional<CompositeRaster> large = openComposite(dems, mostDrawnPosts))
+        // On a globe all terrain is paged, as its tiles are what is bent.
+        if (std::optional<CompositeRaster> large =
+                openComposite(dems, _map.geocentric && isInDegrees(dems) ? 1 : mostDrawnPosts))
             return takePaged(*large, layers);
         CompositeDem composite = readComposite(dems, mostDrawnPosts);
         for (const auto& [number, reason] : composite.leftOut)
             leaveOut(*layers[number], reason);
         _model.notes.insert(_model.notes.end(), composite.notes.begin(), composite.notes.end());
         _tile = std::move(composite.tile);
+    }
+
+    /// Whether the layer that gives the map its grid has longitude and latitude; else the map is
+    /// drawn on a plane, which is said.
+    bool isInDegrees(const std::vector<DemLayer>& dems)
+    {
+        for (const DemLayer& dem : dems)
+            if (const Result<DemInfo> info = describeDem(dem.path, dem.read))
+            {
+                if (angularCrs(info->frame.crs))
+                    return true;
+                _model.notes.push_back(_source + ": is drawn on a plane: a geocentric map needs an "
+                                                 "elevation in longitude and latitude");
+                return false;
+            }
+        return false;
     }
 
     /// Of _tile there are then corners only.
@@ -129,6 +148,9 @@ private:
         if (!heightAt)
             return leaveOut(*layers[0], heightAt.error());
         _model.notes.insert(_model.notes.end(), large.notes.begin(), large.notes.end());
+        if (_map.geocentric)
+            if (Result<Globe> globe = Globe::under(*large.source, _source))
+                _model.globe = std::move(*globe);
         _tile = large.source->cornersOf(0, large.source->terrain());
         LocalFrame frame = localFrameOf(*_tile);
         frame.heightAt = *heightAt;
@@ -247,13 +269,25 @@ private:
             const std::string start = _source + ":" + std::to_string(viewpoint.line) + ": ";
             std::vector<std::string> notes;
             if (const Result<Viewpoint> placed = placeViewpoint(viewpoint, frame, notes))
-                _model.viewpoints.push_back(*placed);
+                _model.viewpoints.push_back(_model.globe ? onGlobe(*placed, frame) : *placed);
             else
                 _model.warnings.push_back(start + "left out " + viewpoint.what + ": " +
                                           placed.error().message);
             for (const std::string& note : notes)
                 _model.notes.push_back(start + viewpoint.what + ": " + note);
         }
+    }
+
+    /// Its axes stay those of the middle of the terrain.
+    Viewpoint onGlobe(const Viewpoint& flat, const LocalFrame& frame) const
+    {
+        const osg::Vec3d place = _model.globe->at(frame.mapX + flat.x / frame.metresPerX,
+                                                  frame.mapY + flat.y / frame.metresPerY, flat.z);
+        Viewpoint bent = flat;
+        bent.x = place.x();
+        bent.y = place.y();
+        bent.z = place.z();
+        return bent;
     }
 
     const EarthMap& _map;

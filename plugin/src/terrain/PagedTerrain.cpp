@@ -37,18 +37,35 @@ public:
     {
         geometry.setUseDisplayList(false);
         geometry.setUseVertexBufferObjects(true);
+        parts.push_back({&geometry, osg::computeLocalToWorld(getNodePath())});
     }
+
+    std::vector<TilePart> parts;
 };
+
+/// Around a tile whose plane touches the planet in its own middle.
+std::shared_ptr<const TileWindows> withOwnPlane(const TileWindows& windows)
+{
+    auto own = std::make_shared<TileWindows>(windows);
+    own->middleColumn = own->place.column + 0.5 * (own->place.width - 1);
+    own->middleRow = own->place.row + 0.5 * (own->place.height - 1);
+    return own;
+}
+
 } // namespace
 
 PagedTerrain::PagedTerrain(std::unique_ptr<OverviewSource> source,
-                           std::vector<DrapedColour> colours, HorizonQuality quality)
-    : _source(std::move(source)), _colours(std::move(colours)), _quality(quality)
+                           std::vector<DrapedColour> colours, HorizonQuality quality,
+                           std::optional<Globe> globe)
+    : _source(std::move(source)), _colours(std::move(colours)), _quality(quality),
+      _globe(std::move(globe))
 {
 }
 
 osg::BoundingBoxd PagedTerrain::extent() const
 {
+    if (_globe)
+        return _globe->extent(_source->lowest(), _source->highest());
     const RasterFrame& frame = _source->frame();
     const double east = 0.5 * (frame.width - 1) * _source->middleEastSpacing();
     const double north = 0.5 * (frame.height - 1) * _source->northSpacing();
@@ -108,17 +125,23 @@ Result<osg::ref_ptr<osg::Node>> PagedTerrain::tile(const Place& place)
     const DemTile& dem = (*windows)->tile;
     if (dem.validCount() == 0)
         return osg::ref_ptr<osg::Node>();
-    const osg::ref_ptr<osgTerrain::TerrainTile> terrain =
-        drawnTile(dem, std::ldexp(_source->middleEastSpacing(), place.level), new DemData(*windows),
-                  coloursOf(place), skirtOf(dem));
+    osg::ref_ptr<osgTerrain::Locator> onGlobe;
+    if (_globe)
+        onGlobe = _globe->locatorOf(*_source, place.level, posts);
+    const osg::ref_ptr<osgTerrain::TerrainTile> terrain = drawnTile(
+        dem, std::ldexp(_source->middleEastSpacing(), place.level),
+        new DemData(_globe ? withOwnPlane(**windows) : *windows), coloursOf(place), onGlobe);
     terrain->setTileID({_source->root() - place.level, place.x, place.y});
     // Geometry is made here, not in the thread that draws.
     terrain->init(osgTerrain::TerrainTile::ALL_DIRTY, false);
+    addSkirt(*terrain, dem, skirtOf(dem));
     BufferObjects buffers;
     terrain->accept(buffers);
+    if (_globe) // else made in the update traversal
+        addTileCoordinates(*terrain, buffers.parts);
     const osg::Vec3d middle = middleOf(place);
     const osg::ref_ptr<osg::MatrixTransform> placed =
-        new osg::MatrixTransform(osg::Matrixd::translate(middle));
+        new osg::MatrixTransform(_globe ? osg::Matrixd() : osg::Matrixd::translate(middle));
     placed->addChild(terrain);
     if (place.level == 0)
         return osg::ref_ptr<osg::Node>(placed);
@@ -147,8 +170,9 @@ Result<osg::ref_ptr<osg::Node>> PagedTerrain::tile(const Place& place)
     const double radius =
         std::hypot(flat, 0.5 * (static_cast<double>(highest) - static_cast<double>(lowest)));
     node->setCenterMode(osg::LOD::USER_DEFINED_CENTER);
-    node->setCenter(middle + shift);
-    node->setRadius(static_cast<osg::LOD::value_type>(radius));
+    const osg::BoundingSphere bent = _globe ? placed->getBound() : osg::BoundingSphere();
+    node->setCenter(_globe ? bent.center() : osg::BoundingSphere::vec_type(middle + shift));
+    node->setRadius(_globe ? bent.radius() : static_cast<osg::LOD::value_type>(radius));
     // OSG's pixels are those of the diameter.
     node->setRangeMode(osg::LOD::PIXEL_SIZE_ON_SCREEN);
     const float pixels = static_cast<float>(pixelsPerCell * 2.0 * flat / std::max(east, north));

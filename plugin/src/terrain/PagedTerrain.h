@@ -3,6 +3,7 @@
 #include "core/Result.h"
 #include "io/MapReader.h"
 #include "io/OverviewSource.h"
+#include "terrain/Globe.h"
 #include <osgTerrainLight/LightingSettings.h>
 
 #include <osg/BoundingBox>
@@ -12,6 +13,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -30,15 +32,16 @@ struct DrapedColour
 /// threads of the viewer's osgDB::DatabasePager. Each tile comes with the terrain around it
 /// (TileWindows), so that its light depends on the raster alone, and not on what else is loaded.
 ///
-/// The frame is that of createTerrain(): metres from the middle of the raster. A tile has 256 cells
-/// a side; its four children are drawn in its place where one of its cells would have more than two
-/// pixels.
+/// The frame is that of createTerrain(): metres from the middle of the raster. On a globe the tiles
+/// are bent, each is lit in a frame of its own, and the frame is that of Globe. A tile has 256
+/// cells a side; its four children are drawn in its place where one of its cells would have more
+/// than two pixels.
 class PagedTerrain : public osgDB::ReadFileCallback
 {
 public:
     /// quality: of the light, which says how far tiles see at full resolution.
     PagedTerrain(std::unique_ptr<OverviewSource> source, std::vector<DrapedColour> colours,
-                 HorizonQuality quality);
+                 HorizonQuality quality, std::optional<Globe> globe = {});
 
     /// The coarsest tile. An error where it cannot be read.
     Result<osg::ref_ptr<osg::Node>> root();
@@ -67,6 +70,7 @@ private:
     const std::unique_ptr<OverviewSource> _source;
     const std::vector<DrapedColour> _colours;
     const HorizonQuality _quality;
+    const std::optional<Globe> _globe;
     std::mutex _telling;
     std::set<std::string> _told; ///< colours that could not be read
 };

@@ -97,12 +97,19 @@ Status setTimeAndPlace(TerrainLighting& node, const LightParameters& light,
 namespace
 {
 Result<TerrainModel> loadPagedRaster(const std::string& path, const DemReadOptions& read,
-                                     const LightParameters& light)
+                                     const LightParameters& light, bool geocentric)
 {
     Result<std::unique_ptr<OverviewSource>> source = OverviewSource::open(path, read);
     if (!source)
         return source.error();
     TerrainModel model;
+    if (geocentric)
+    {
+        Result<Globe> globe = Globe::under(**source, path);
+        if (!globe)
+            return globe.error();
+        model.globe = std::move(*globe);
+    }
     model.node = createLighting(light, "", model.warnings);
     model.node->setName(baseName(path));
     for (const std::string& note : (*source)->notes())
@@ -125,8 +132,14 @@ bool isPaged(const std::string& path, const DemReadOptions& read)
 Status addPaged(TerrainModel& model, std::unique_ptr<OverviewSource> source,
                 std::vector<DrapedColour> colours, const LightParameters& light)
 {
-    const osg::ref_ptr<PagedTerrain> paged =
-        new PagedTerrain(std::move(source), std::move(colours), light.settings.quality);
+    if (model.globe && !(light.settings.bodyRadius > 0.0))
+    {
+        LightingSettings settings = model.node->getSettings();
+        settings.bodyRadius = model.globe->radius();
+        model.node->setSettings(settings);
+    }
+    const osg::ref_ptr<PagedTerrain> paged = new PagedTerrain(std::move(source), std::move(colours),
+                                                              light.settings.quality, model.globe);
     const Result<osg::ref_ptr<osg::Node>> root = paged->root();
     if (!root)
         return root.error();
@@ -136,10 +149,10 @@ Status addPaged(TerrainModel& model, std::unique_ptr<OverviewSource> source,
 }
 
 Result<TerrainModel> loadRaster(const std::string& path, const DemReadOptions& read,
-                                const LightParameters& light)
+                                const LightParameters& light, bool geocentric)
 {
-    if (isPaged(path, read))
-        return loadPagedRaster(path, read, light);
+    if (geocentric || isPaged(path, read))
+        return loadPagedRaster(path, read, light, geocentric);
     const Result<DemFile> file = readDrawn(path, read, mostDrawnPosts);
     if (!file)
         return file.error();

@@ -21,6 +21,7 @@ namespace osgTerrainLight
 struct TerrainModel
 {
     osg::ref_ptr<TerrainLighting> node;
+    std::optional<Globe> globe;        ///< that the node stands on; none: it lies on a plane
     osg::BoundingBoxd terrain;         ///< of valid posts [m], as createTerrain() places them
     std::vector<Viewpoint> viewpoints; ///< of a map, in the frame of createTerrain(); home first
     std::vector<std::string> warnings; ///< parts that are missing from the scene
@@ -57,13 +58,14 @@ Status setTimeAndPlace(TerrainLighting& node, const LightParameters& light,
 /// Whether the raster is one that is paged; not where it cannot be read.
 bool isPaged(const std::string& path, const DemReadOptions& read);
 
-/// Adds paged terrain to a model, whose node is there. Error: of reading the first tile.
+/// Adds paged terrain to a model, whose node is there, on its globe where it has one. Error: of
+/// reading the first tile.
 Status addPaged(TerrainModel& model, std::unique_ptr<OverviewSource> source,
                 std::vector<DrapedColour> colours, const LightParameters& light);
 
-/// A lit DEM.
+/// A lit DEM. geocentric: on its ellipsoid.
 Result<TerrainModel> loadRaster(const std::string& path, const DemReadOptions& read,
-                                const LightParameters& light);
+                                const LightParameters& light, bool geocentric = false);
 
 /// A lit map; layers that cannot be read are left out, with a warning each. Where none is left and
 /// all their files are missing, the scene is empty; else the error lists what was left out. folder:
