@@ -5,13 +5,13 @@
 #include "lighting/TileWindows.h"
 #include "scene/TerrainTileReader.h"
 #include "support/GlContext.h"
+#include "support/HeldObjects.h"
 #include "support/MemoryRaster.h"
 #include "support/ScenePicture.h"
 #include "support/TestFolder.h"
 #include "support/Tiles.h"
 #include "terrain/TerrainModel.h"
 
-#include <osg/BufferObject>
 #include <osg/ContextData>
 #include <osg/CullingSet>
 #include <osg/MatrixTransform>
@@ -24,7 +24,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <functional>
 #include <random>
 #include <thread>
@@ -495,35 +494,6 @@ TEST(PagedTerrain, LevelsThatComeAndGoLeaveNothing)
     EXPECT_EQ(lighting->getTileHandles().size(), 0u);
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
 }
-
-namespace
-{
-/// What a program holds after a cycle of paging.
-struct Held
-{
-    unsigned textures = 0, buffers = 0; ///< OpenGL objects
-    std::size_t graphics = 0;           ///< LightingStatistics::bytes
-    std::size_t resident = 0;           ///< of the process [bytes]
-};
-
-Held heldBy(ScenePicture& picture, const TerrainLighting& lighting)
-{
-    const unsigned context = picture.state().getContextID();
-    Held held;
-    auto& textures = *osg::get<osg::TextureObjectManager>(context);
-    held.textures =
-        textures.getNumberActiveTextureObjects() + textures.getNumberOrphanedTextureObjects();
-    auto& buffers = *osg::get<osg::GLBufferObjectManager>(context);
-    held.buffers =
-        buffers.getNumberActiveGLBufferObjects() + buffers.getNumberOrphanedGLBufferObjects();
-    held.graphics = lighting.getStatistics().bytes;
-    std::ifstream pages("/proc/self/statm"); // of 4 KiB: the whole, then those that are resident
-    std::size_t whole = 0;
-    pages >> whole >> held.resident;
-    held.resident *= 4096;
-    return held;
-}
-} // namespace
 
 // Expected: flying in to four places in turn and out again leaves no OpenGL object, no memory of
 // light and no resident memory behind: cycle 20, when allocators and caches have what they need,

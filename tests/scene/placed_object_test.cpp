@@ -4,6 +4,7 @@
 
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
+#include "support/HeldObjects.h"
 #include "support/ScenePicture.h"
 #include "support/TestFolder.h"
 #include "terrain/TerrainModel.h"
@@ -312,4 +313,53 @@ TEST(PlacedObject, WithoutAFieldChangesNothing)
     object->setField(PlacedObject::Field::Ellipsoid);
     plain.picture->draw(4);
     EXPECT_NE(plain.picture->pixels(), none.picture->pixels());
+}
+
+// Expected: what was held at the first time that all had gone, and nothing more.
+TEST(PlacedObject, TwoThousandFramesOfComingAndGoingLeaveNothing)
+{
+    OTL_NEED_GL(context);
+    Plain plain(nullptr, uniformSky(true));
+    std::vector<osg::ref_ptr<osg::MatrixTransform>> there;
+    Held first, last;
+    for (int frame = 1; frame <= 2000; ++frame)
+    {
+        if (frame % 100 < 80 && frame % 8 == 1)
+        {
+            const osg::ref_ptr<PlacedObject> object =
+                boxObject(1.0 + frame % 5, 2.0, 1.0 + frame % 3);
+            if (frame % 3 == 0)
+                object->setField(PlacedObject::Field::Ellipsoid);
+            there.emplace_back(new osg::MatrixTransform);
+            there.back()->addChild(object);
+            plain.lighting->addChild(there.back());
+        }
+        else if (!there.empty() && (frame % 100 >= 80 || frame % 16 == 5))
+        {
+            plain.lighting->removeChild(there.front());
+            there.erase(there.begin());
+        }
+        for (std::size_t i = 0; i < there.size(); ++i)
+            there[i]->setMatrix(
+                osg::Matrix::rotate(0.05 * frame, osg::Z_AXIS) *
+                osg::Matrix::translate(4.0 * double(i) - 16.0, 10.0 * std::sin(0.1 * frame), 0.0));
+        plain.picture->draw();
+        if (frame % 100 != 99)
+            continue;
+        ASSERT_EQ(plain.lighting->getObjectCount(), 0u) << "in frame " << frame;
+        plain.picture->draw(8); // what is released waits for frames that are still drawn
+        last = heldBy(*plain.picture, *plain.lighting);
+        if (frame == 199) // once, caches and allocators have what they need
+            first = last;
+        if (frame % 500 == 199 || frame == 1999)
+            std::printf(
+                "frame %4d: %u textures, %u buffers, %.2f MiB of light, %.1f MiB resident\n", frame,
+                last.textures, last.buffers, static_cast<double>(last.graphics) / 1048576.0,
+                static_cast<double>(last.resident) / 1048576.0);
+    }
+    EXPECT_EQ(last.textures, first.textures);
+    EXPECT_EQ(last.buffers, first.buffers);
+    EXPECT_EQ(last.graphics, first.graphics);
+    EXPECT_LE(static_cast<double>(last.resident), 1.02 * static_cast<double>(first.resident));
+    EXPECT_EQ(takeGlErrors(), "");
 }
