@@ -139,7 +139,8 @@ private:
         Result<EarthModel> model = readModel(element);
         if (!model)
             return leaveOut(element, what, model.error().message, true);
-        const bool isRemote = model->url.find("://") != std::string::npos;
+        const std::size_t scheme = model->url.find("://"); // one letter is a drive
+        const bool isRemote = scheme != std::string::npos && scheme > 1;
         if (model->url.empty() || isRemote)
             return leaveOut(element, what,
                             isRemote ? "its model is on a network; needs a file" : "has no url",

@@ -302,6 +302,10 @@ private:
                 continue;
             }
             nodes.push_back(placedModel(model, *place, **node));
+            if (model.minRange > 0.0)
+                _model.notes.push_back(start + model.what +
+                                       " takes no light from the ground, since its min_range is "
+                                       "more than 0");
             const osg::BoundingSphere& bound = nodes.back()->getBound();
             const double top = double(bound.center().z()) + double(bound.radius());
             if (place->ground && top < *place->ground)

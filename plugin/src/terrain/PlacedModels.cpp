@@ -34,7 +34,7 @@ public:
 /// The file in a name that may end in the extensions of pseudo loaders; empty where there is none.
 std::string fileIn(std::string name)
 {
-    while (!name.empty() && !osgDB::fileExists(name))
+    while (!name.empty() && osgDB::fileType(name) != osgDB::REGULAR_FILE)
     {
         const std::string shorter = osgDB::getNameLessExtension(name);
         if (shorter == name)
@@ -47,8 +47,6 @@ std::string fileIn(std::string name)
 /// Why a file cannot be a model; empty where nothing speaks against it.
 std::string complaintOfModel(const std::string& file, const std::string& path)
 {
-    if (const std::string wrong = complaintOfFile(file); !wrong.empty())
-        return wrong;
     for (std::string name = path; name.size() >= file.size();)
     {
         const std::string extension = osgDB::getLowerCaseFileExtension(name);
@@ -72,6 +70,8 @@ std::string complaintOfModel(const std::string& file, const std::string& path)
 
 Result<osg::ref_ptr<osg::Node>> readNow(const std::string& path)
 {
+    if (const std::string wrong = complaintOfFile(path); !wrong.empty())
+        return Error{ErrorCode::Invalid, path + ": " + wrong};
     const std::string file = fileIn(path);
     if (file.empty())
         return Error{ErrorCode::NotFound, path + ": no such file"};
