@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 #include <osg/ComputeBoundsVisitor>
 #include <osg/LOD>
+#include <osg/MatrixTransform>
 #include <osg/NodeVisitor>
 #include <osg/ProxyNode>
 #include <osg/Transform>
@@ -520,18 +521,25 @@ TEST(MapModels, ChangeNeitherTheViewNorTheListOfFiles)
 
 namespace
 {
-constexpr double halfSide = 1500.0; ///< of pictures [m]
+/// What is drawn of a map: a square about a place, in the frame of the terrain [m].
+struct Square
+{
+    osg::Vec3d middle;
+    double halfSide = 1500.0;
+};
 
-/// Red, in 255, of a map with the house forty times its size in the middle, and of the same without
-/// it, at a place [m]: the mean of a square of pixels.
+/// A map with the house in the middle of the picture, and the same map without it.
 class HousePicture
 {
 public:
-    HousePicture(const std::string& url, const std::string& place)
-        : _with(picture(houseAt(place, "scale='40'"), url)), _without(picture("", url))
+    HousePicture(const std::string& url, const std::string& place, const std::string& keys,
+                 const Square& square = {})
+        : _square(square), _with(picture(houseAt(place, keys), url, square)),
+          _without(picture("", url, square))
     {
     }
 
+    /// Red, in 255: the mean of 9 pixels, at a place from the middle [m].
     double with(double x, double y) const { return at(_with, x, y, 0); }
     double without(double x, double y) const { return at(_without, x, y, 0); }
     double green(double x, double y) const { return at(_with, x, y, 1); }
@@ -539,7 +547,7 @@ public:
 private:
     using Pixels = std::vector<unsigned char>;
 
-    static Pixels picture(const std::string& elements, const std::string& url)
+    static Pixels picture(const std::string& elements, const std::string& url, const Square& square)
     {
         const TerrainModel model =
             modelOf(elements + "<terrain_light sun_azimuth='270' sun_elevation='35' azimuths='8' "
@@ -549,51 +557,55 @@ private:
             return Pixels(4 * ScenePicture::size * ScenePicture::size);
         model.node->setTimeBudget(0.0);
         model.node->setFadeSeconds(0.0);
-        ScenePicture drawn(model.node, halfSide);
+        const osg::ref_ptr<osg::MatrixTransform> moved =
+            new osg::MatrixTransform(osg::Matrixd::translate(-square.middle));
+        moved->addChild(model.node);
+        ScenePicture drawn(moved, square.halfSide);
         drawn.draw(4);
         const osgDB::DatabasePager& pager = *drawn.viewer().getDatabasePager();
-        for (int wait = 0;
-             wait < 400 && (pager.requiresUpdateSceneGraph() || pager.getRequestsInProgress());
-             ++wait)
+        const auto isLoading = [&pager]
+        { return pager.requiresUpdateSceneGraph() || pager.getRequestsInProgress(); };
+        for (int wait = 0; wait < 400 && isLoading(); ++wait)
         {
             OpenThreads::Thread::microSleep(25000);
-            drawn.draw(1);
+            drawn.draw(2);
         }
         drawn.draw(4);
         return drawn.pixels();
     }
 
-    static double at(const Pixels& pixels, double x, double y, std::size_t channel)
+    double at(const Pixels& pixels, double x, double y, std::size_t channel) const
     {
+        const auto pixel = [this](double place, int step) {
+            return static_cast<int>((0.5 + 0.5 * place / _square.halfSide) * ScenePicture::size) +
+                   step;
+        };
         double sum = 0.0;
         for (int j = -1; j <= 1; ++j)
             for (int i = -1; i <= 1; ++i)
-            {
-                const auto pixel = [](double place, int step) {
-                    return static_cast<int>((0.5 + 0.5 * place / halfSide) * ScenePicture::size) +
-                           step;
-                };
                 sum += pixels[static_cast<std::size_t>(
                                   4 * (pixel(y, j) * ScenePicture::size + pixel(x, i))) +
                               channel];
-            }
         return sum / 9.0;
     }
 
+    const Square _square;
     const Pixels _with, _without;
 };
 
-/// Expected: the roof is red in the middle. The house is 320 m wide and its ridge is 280 m high, so
-/// its shadow ends 400 m east of the ridge; there is no sun in it, and sky is a fourth of the light
-/// of level ground. West of the house and far from it the ground is as without it.
-void expectLightOfObject(const HousePicture& picture, const char* what)
+/// Expected, with lengths times `scale`: the roof is red in the middle. The house is 8 m wide and
+/// its ridge is 7 m high, so its shadow ends 10 m east of the ridge; there is no sun in it, and sky
+/// is a fourth of the light of level ground. West of the house and far from it the ground is as
+/// without it.
+void expectLightOfObject(const HousePicture& picture, double scale, const char* what)
 {
-    EXPECT_GT(picture.with(80.0, 0.0), 1.5 * picture.green(80.0, 0.0)) << what;
-    const double open = picture.without(270.0, 0.0);
+    EXPECT_GT(picture.with(2.0 * scale, 0.0), 1.5 * picture.green(2.0 * scale, 0.0)) << what;
+    const double open = picture.without(6.75 * scale, 0.0);
     EXPECT_GT(open, 60.0) << what;
-    EXPECT_LT(picture.with(270.0, 0.0), 0.75 * open) << what;
-    for (const auto& [x, y] : {std::pair<double, double>{-1000.0, 0.0}, {1300.0, 0.0}})
-        EXPECT_NEAR(picture.with(x, y), picture.without(x, y), 3.0) << what << x;
+    EXPECT_LT(picture.with(6.75 * scale, 0.0), 0.75 * open) << what;
+    for (const double x : {-25.0, 32.0})
+        EXPECT_NEAR(picture.with(x * scale, 0.0), picture.without(x * scale, 0.0), 3.0)
+            << what << x;
 }
 } // namespace
 
@@ -602,7 +614,8 @@ TEST(MapModels, PictureOnAMapInMetres)
     OTL_NEED_GL(context);
     const std::string url = rasterOfPlaces(101, 101, {498485, 30, 0, 4001515, 0, -30},
                                            [](double, double) { return 100.0; });
-    expectLightOfObject(HousePicture(url, "<location>500000 4000000</location>"), "metres");
+    expectLightOfObject(HousePicture(url, "<location>500000 4000000</location>", "scale='40'"),
+                        40.0, "metres");
 }
 
 TEST(MapModels, PictureOnAMapInDegrees)
@@ -611,7 +624,8 @@ TEST(MapModels, PictureOnAMapInDegrees)
     const std::string url = rasterOfPlaces(
         101, 101, {9.97975, 0.0004, 0, 47.0151500, 0, -0.0003},
         [](double, double) { return 100.0; }, "EPSG:4326");
-    expectLightOfObject(HousePicture(url, "<location long='9.99995' lat='47'/>"), "degrees");
+    expectLightOfObject(HousePicture(url, "<location long='9.99995' lat='47'/>", "scale='40'"),
+                        40.0, "degrees");
 }
 
 TEST(MapModels, PictureOnPagedTerrain)
@@ -619,5 +633,32 @@ TEST(MapModels, PictureOnPagedTerrain)
     OTL_NEED_GL(context);
     const std::string url = rasterOfPlaces(2101, 401, {489495, 10, 0, 4002005, 0, -10},
                                            [](double, double) { return 100.0; });
-    expectLightOfObject(HousePicture(url, "<location>500000 4000000</location>"), "paged");
+    expectLightOfObject(HousePicture(url, "<location>500000 4000000</location>", "scale='40'"),
+                        40.0, "paged");
+}
+
+// Expected: the same far from the middle row of a map in degrees, where columns are drawn farther
+// apart than they are. The ground rises to the east by a sixth, so that light that looks for it
+// beside its place finds it above or below the house: rows are drawn 1 % too long there.
+TEST(MapModels, PictureInTheCornerOfAMapInDegrees)
+{
+    OTL_NEED_GL(context);
+    const auto isAt = [](int columns, const char* what)
+    {
+        const double perDegree = 55800.0; // about, in metres
+        const auto heightAt = [&](double x, double) { return (x - 10.0) * perDegree / 6.0; };
+        const double step = 1.0 / (columns - 1), half = 0.5 * step;
+        const std::string url = rasterOfPlaces(
+            columns, 401, {10.0 - half, step, 0, 60.4 + 0.001, 0, -0.002}, heightAt, "EPSG:4326");
+        const std::string place = "<location long='10.95' lat='60.35'/>";
+        const TerrainModel model = modelOf(houseAt(place), url);
+        const std::vector<Placed> objects = objectsIn(model);
+        ASSERT_EQ(objects.size(), 1u) << what;
+        Square square;
+        square.middle = objects[0].toScene.getTrans();
+        square.halfSide = 600.0;
+        expectLightOfObject(HousePicture(url, place, "scale='15'", square), 15.0, what);
+    };
+    isAt(801, "one tile");
+    isAt(2401, "paged");
 }
