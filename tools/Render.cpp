@@ -9,6 +9,7 @@
 #include "viewer/FirstView.h"
 
 #include <osgTerrainLight/LightingHandler.h>
+#include <osgTerrainLight/PlacedObject.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
 #include <cpl_conv.h>
@@ -264,6 +265,28 @@ public:
     }
 };
 
+/// Of the terrain, where there is some: what stands on it does not move the camera.
+osg::BoundingBox boundsOf(osg::Node& scene)
+{
+    class OfTerrain : public osg::ComputeBoundsVisitor
+    {
+    public:
+        using osg::ComputeBoundsVisitor::apply;
+        void apply(osg::Group& group) override
+        {
+            if (!dynamic_cast<PlacedObject*>(&group))
+                traverse(group);
+        }
+    };
+    OfTerrain terrain;
+    scene.accept(terrain);
+    if (terrain.getBoundingBox().valid())
+        return terrain.getBoundingBox();
+    osg::ComputeBoundsVisitor all;
+    scene.accept(all);
+    return all.getBoundingBox();
+}
+
 /// --viewpoint, as a place of the camera.
 Status takeViewpoint(const std::vector<Viewpoint>& viewpoints, const std::string& scene,
                      CameraPlace& camera)
@@ -341,9 +364,8 @@ Status run(const CLI::App& app, Options options)
         SkySetter setter(options.sky);
         (*scene)->accept(setter);
     }
-    osg::ComputeBoundsVisitor bounds;
-    (*scene)->accept(bounds);
-    if (!bounds.getBoundingBox().valid())
+    const osg::BoundingBox bounds = boundsOf(**scene);
+    if (!bounds.valid())
         return Error{ErrorCode::Invalid, options.scene + ": nothing in it has an extent"};
     ForAPicture forAPicture;
     (*scene)->accept(forAPicture);
@@ -361,8 +383,7 @@ Status run(const CLI::App& app, Options options)
     camera.setClearColor(
         osg::Vec4(0.62f, 0.70f, 0.80f, 1.0f)); // haze, not sky: nothing is lit by it
     viewer.setSceneData(*scene);
-    placeCamera(camera, options.camera, double(options.width) / options.height,
-                bounds.getBoundingBox());
+    placeCamera(camera, options.camera, double(options.width) / options.height, bounds);
     viewer.realize();
     const std::vector<std::uint8_t> pixels = draw(viewer, options, progress);
     if (Status done = gpu->finish(); !done)

@@ -41,7 +41,12 @@ key_lights="0,10,5,20;90,20,1,2,3"/></Earth>)",
 opacity="0.5"><image driver="gdal" url="a\b.tif" opacity="1"/></image><XYZImage profile="geodetic"
 url="t/{z}/{x}/{y}.png" invert_y="true"/><TMSImage url="tms.xml"/><options><sky hours="15.5"
 date_time="2024-06-21"/></options><viewpoints><viewpoint name="v" heading="45deg" pitch="-30"
-range="5km" srs="EPSG:32633" x="500000" y="4000000" z="10"/></viewpoints></map>)"};
+range="5km" srs="EPSG:32633" x="500000" y="4000000" z="10"/></viewpoints></map>)",
+            R"(<map><elevation driver="gdal" url="input.tif"/><model name="a" driver="simple"
+url="box.osgt"><location>500100 4999900 1</location><orientation>30 2 1</orientation><scale x="2"/>
+</model><Annotations><Model min_range="1" max_range="5km"><position srs="EPSG:32633" x="500100"
+y="4999900" hat="3ft"/><style>m { model: "box.osgt"; model-scale: 2; model-heading: 9 }</style>
+</Model><label text="t"><position lat="45.1" long="15" mode="relative"/></label></Annotations></map>)"};
 }
 
 std::string asciiGrid()
@@ -220,6 +225,12 @@ int main(int count, char** arguments)
     for (const char* name : {"input.tif", "a.tif"})
         geoTiff(options.file(name), GDT_Float32, "COMPRESS=NONE");
     geoTiff(options.file("c.tif"), GDT_Byte, "COMPRESS=NONE", Beside::Palette);
+    std::ofstream(options.file("box.osgt")) << "#Ascii Scene \n#Version 161 \n#Generator x "
+                                               "\n\nosg::Geode {\n  UniqueID 1 \n  Drawables "
+                                               "1 {\n    osg::ShapeDrawable {\n      UniqueID 2 \n "
+                                               "     Shape TRUE {\n        osg::Box {\n"
+                                               "          UniqueID 3 \n          HalfLengths 4 4 4 "
+                                               "\n        }\n      }\n    }\n  }\n}\n";
     std::ofstream(options.file("input.img"), std::ios::binary) << std::string(60, '\1');
     return fuzz(options, files,
                 [&](const std::string& bytes)

@@ -175,6 +175,7 @@ Raster<osg::Vec4f> factorOf(osg::State& state, LitPlane& plane, const ObjectClus
 {
     VolumeGraph volume(cluster);
     volume.run(state);
+    object.spacing = glm::dvec2(plane.ground.nominalEastSpacing(), plane.ground.northSpacing);
     object.volume = volume.node->volume();
     object.corner = cluster.origin;
     object.voxels = cluster.voxels;

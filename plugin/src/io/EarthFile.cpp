@@ -40,17 +40,6 @@ bool setsSun(const std::string& key)
     return key == "sun_azimuth" || key == "sun_elevation" || key == "time";
 }
 
-std::vector<std::string> keysOf(const pugi::xml_node& element)
-{
-    std::vector<std::string> keys;
-    for (const pugi::xml_attribute& attribute : element.attributes())
-        keys.emplace_back(attribute.name());
-    for (const pugi::xml_node& child : element.children())
-        if (child.type() == pugi::node_element)
-            keys.emplace_back(child.name());
-    return keys;
-}
-
 /// One file being read.
 class Parser
 {
@@ -128,7 +117,54 @@ private:
             readParts(element);
             return Nothing{};
         }
+        if (isModel(element))
+        {
+            readModelLayer(element);
+            return Nothing{};
+        }
         return readLayer(element, nullptr);
+    }
+
+    /// Those of other drivers make models of features.
+    static bool isModel(const pugi::xml_node& element)
+    {
+        const std::string tag = lowerCase(element.name());
+        const std::string driver = lowerCase(valueOf(element, "driver"));
+        return (tag == "model" || tag == "modellayer") && (driver.empty() || driver == "simple");
+    }
+
+    void readModelLayer(const pugi::xml_node& element)
+    {
+        const std::string what = whatOf(element);
+        if (isSwitchedOff(element, what))
+            return;
+        Result<EarthModel> model = readModel(element);
+        if (!model)
+            return leaveOut(element, what, model.error().message, true);
+        const std::size_t scheme = model->url.find("://"); // one letter is a drive
+        const bool isRemote = scheme != std::string::npos && scheme > 1;
+        if (model->url.empty() || isRemote)
+            return leaveOut(element, what,
+                            isRemote ? "its model is on a network; needs a file" : "has no url",
+                            true);
+        model->what = what;
+        model->line = _xml.lineOf(element);
+        if (!model->unread.empty())
+            append(_skipped, "keys of " + what + " (" + lineText(element) +
+                                 ": not read here: " + model->unread + ")");
+        _map.models.push_back(std::move(*model));
+    }
+
+    /// Models of the annotations; labels, icons and shapes are not drawn.
+    void readAnnotations(const pugi::xml_node& element)
+    {
+        if (isSwitchedOff(element, whatOf(element)))
+            return;
+        for (const pugi::xml_node& child : element.children())
+            if (isModel(child))
+                readModelLayer(child);
+            else if (child.type() == pugi::node_element && lowerCase(child.name()) != "name")
+                leaveOut(child, whatOf(child), "of a kind that is not known here", true);
     }
 
     /// Parts that osgEarth 3 has in the map itself, and osgEarth 2 in others. False where it is
@@ -138,6 +174,8 @@ private:
         const std::string tag = lowerCase(element.name());
         if (tag == "viewpoints")
             readViewpoints(element);
+        else if (tag == "annotations")
+            readAnnotations(element);
         else if (tag == "sky")
             readSky(element);
         else if (tag == "profile" && !valueOf(element, "vdatum").empty())
@@ -159,7 +197,7 @@ private:
                 (readPart(child) ? hasParts : hasOthers) = true;
         if (hasOthers || !hasParts)
             leaveOut(element, whatOf(element),
-                     hasParts ? "only its sky, its viewpoints and its vertical datum are read"
+                     hasParts ? "only its sky, viewpoints, annotations and vertical datum are read"
                               : "of a kind that is not known here",
                      !drawsNothing(lowerCase(element.name())));
     }

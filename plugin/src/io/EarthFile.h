@@ -2,6 +2,7 @@
 
 #include "core/Result.h"
 #include "io/DemReader.h"
+#include "io/EarthModel.h"
 #include "io/EarthViewpoint.h"
 #include "io/LightParameters.h"
 
@@ -33,6 +34,7 @@ struct EarthMap
     std::string verticalDatum; ///< that heights are brought to (<profile>); empty: none is named
     std::vector<EarthLayer> elevations;
     std::vector<EarthLayer> images; ///< bottom first
+    std::vector<EarthModel> models; ///< that stand on the terrain
     LightParameters light;
     std::vector<EarthViewpoint> viewpoints; ///< in their order, from the home on
     std::string leftOut;                    ///< all elements that are not drawn, and why; one list

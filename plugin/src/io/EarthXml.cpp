@@ -58,6 +58,17 @@ std::string valueOf(const pugi::xml_node& element, const std::string& key)
     return {};
 }
 
+std::vector<std::string> keysOf(const pugi::xml_node& element)
+{
+    std::vector<std::string> keys;
+    for (const pugi::xml_attribute& attribute : element.attributes())
+        keys.emplace_back(attribute.name());
+    for (const pugi::xml_node& child : element.children())
+        if (child.type() == pugi::node_element)
+            keys.emplace_back(child.name());
+    return keys;
+}
+
 std::string withSlashes(std::string path)
 {
     std::replace(path.begin(), path.end(), '\\', '/');

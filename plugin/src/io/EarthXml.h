@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 namespace osgTerrainLight
 {
@@ -39,6 +40,9 @@ std::string trimmed(const std::string& text);
 /// The value of a key (lower case), which osgEarth lets stand as an attribute or as a child; the
 /// first that is not empty.
 std::string valueOf(const pugi::xml_node& element, const std::string& key);
+
+/// Names of all keys of an element, as they are written.
+std::vector<std::string> keysOf(const pugi::xml_node& element);
 
 /// A path that may have been written on Windows, with the slashes that all systems know.
 std::string withSlashes(std::string path);

@@ -141,6 +141,8 @@ private:
         for (const auto* layers : {&map->elevations, &map->images})
             for (const EarthLayer& layer : *layers)
                 addFrom(layer.url);
+        for (const EarthModel& model : map->models)
+            addFrom(model.url);
         if (!map->light.skyFile.empty())
             addFrom(map->light.skyFile);
     }

@@ -29,11 +29,6 @@ struct OnMap
     double convergence = 0.0; ///< bearing of the map's y axis there [degrees]
 };
 
-std::string placeText(const EarthViewpoint& viewpoint)
-{
-    return CPLSPrintf("longitude %.8g, latitude %.8g", viewpoint.longitude, viewpoint.latitude);
-}
-
 /// The longitude that is nearest to the middle of the terrain, on a map of degrees.
 double nearestTurn(double x, double middle, const OGRSpatialReference& crs)
 {
@@ -43,34 +38,64 @@ double nearestTurn(double x, double middle, const OGRSpatialReference& crs)
     return x + turn * std::round((middle - x) / turn);
 }
 
-Result<OnMap> onMapOf(const EarthViewpoint& viewpoint, const LocalFrame& frame)
+/// The CRS of the terrain and its degrees, and the way between both.
+struct MapDegrees
 {
-    if (frame.crs.empty())
-        return Error{ErrorCode::NotSupported,
-                     "the terrain has no CRS that tells where " + placeText(viewpoint) + " lies"};
-    const GdalErrors errors;
+    std::string name; ///< of the CRS
     OGRSpatialReference crs;
-    if (crs.importFromWkt(frame.crs.c_str()) != OGRERR_NONE)
+    std::optional<MapGround> ground; ///< none where the CRS tells no place
+};
+
+Result<MapDegrees> degreesOfMap(const std::string& wkt, const EarthPoint& point)
+{
+    if (wkt.empty())
+        return Error{ErrorCode::NotSupported,
+                     "the terrain has no CRS that tells where " + toString(point) + " lies"};
+    MapDegrees map;
+    if (map.crs.importFromWkt(wkt.c_str()) != OGRERR_NONE)
         return Error{ErrorCode::Invalid, "the CRS of the terrain cannot be read"};
-    const std::string name = crs.GetName() ? crs.GetName() : "";
+    map.name = map.crs.GetName() ? map.crs.GetName() : "";
     OGRSpatialReference degrees;
-    if (std::abs(crs.GetSemiMajor() / earthRadius - 1.0) < 0.01)
+    if (std::abs(map.crs.GetSemiMajor() / earthRadius - 1.0) < 0.01)
         degrees.SetWellKnownGeogCS("WGS84");
     else // of another body, whose degrees are its own
-        degrees.CopyGeogCSFrom(&crs);
-    const std::optional<MapGround> ground =
-        crs.IsLocal() ? std::nullopt : MapGround::between(crs, degrees);
-    const double longitude = viewpoint.longitude * radiansPerDegree;
-    const double latitude = viewpoint.latitude * radiansPerDegree;
+        degrees.CopyGeogCSFrom(&map.crs);
+    if (!map.crs.IsLocal())
+        if (std::optional<MapGround> ground = MapGround::between(map.crs, degrees))
+            map.ground.emplace(std::move(*ground));
+    return map;
+}
+
+Result<OnMap> onMapOf(const EarthPoint& point, const LocalFrame& frame)
+{
+    const GdalErrors errors;
+    const Result<MapDegrees> map = degreesOfMap(frame.crs, point);
+    if (!map)
+        return map.error();
+    const double longitude = point.x * radiansPerDegree;
+    const double latitude = point.y * radiansPerDegree;
     const std::optional<std::pair<double, double>> place =
-        ground ? ground->toMap(longitude, latitude) : std::nullopt;
-    const std::optional<GroundPoint> point =
-        place ? ground->at(place->first, place->second, longitude, latitude) : std::nullopt;
-    if (!point || !(point->metresPerY() > 0.0))
+        map->ground ? map->ground->toMap(longitude, latitude) : std::nullopt;
+    const std::optional<GroundPoint> ground =
+        place ? map->ground->at(place->first, place->second, longitude, latitude) : std::nullopt;
+    if (!ground || !(ground->metresPerY() > 0.0))
         return Error{ErrorCode::Invalid,
-                     placeText(viewpoint) + " does not lie on the map of CRS \"" + name + "\""};
-    return OnMap{nearestTurn(place->first, frame.mapX, crs), place->second,
-                 point->convergence() / radiansPerDegree};
+                     toString(point) + " does not lie on the map of CRS \"" + map->name + "\""};
+    return OnMap{nearestTurn(place->first, frame.mapX, map->crs), place->second,
+                 ground->convergence() / radiansPerDegree};
+}
+
+/// Of a plain place, which needs no CRS.
+Result<OnMap> onMapOfPlain(const EarthPoint& point, const LocalFrame& frame)
+{
+    const GdalErrors errors;
+    const Result<MapDegrees> map = degreesOfMap(frame.crs, point);
+    const bool hasDegrees = map && map->ground;
+    if (hasDegrees && std::abs(point.x) <= 360.0 && std::abs(point.y) <= 90.0)
+        return onMapOf({point.x, point.y, false}, frame);
+    const std::optional<GroundPoint> ground =
+        hasDegrees ? map->ground->at({{point.x, point.y}}).front() : std::nullopt;
+    return OnMap{point.x, point.y, ground ? ground->convergence() / radiansPerDegree : 0.0};
 }
 
 /// Of the terrain, where it is known; else the nearest that is known towards its middle, or 0.
@@ -135,7 +160,8 @@ LocalFrame localFrameOf(const DemTile& tile)
 Result<Viewpoint> placeViewpoint(const EarthViewpoint& viewpoint, const LocalFrame& frame,
                                  std::vector<std::string>& notes)
 {
-    const Result<OnMap> place = onMapOf(viewpoint, frame);
+    const EarthPoint point{viewpoint.longitude, viewpoint.latitude, false};
+    const Result<OnMap> place = onMapOf(point, frame);
     if (!place)
         return place.error();
     Viewpoint view;
@@ -147,7 +173,7 @@ Result<Viewpoint> placeViewpoint(const EarthViewpoint& viewpoint, const LocalFra
                                       std::max(0.0, std::abs(view.y) - frame.halfHeight));
     if (!(outside <= diagonal))
         return Error{ErrorCode::Invalid,
-                     placeText(viewpoint) + " lies " + CPLSPrintf("%.4g", 1e-3 * outside) +
+                     toString(point) + " lies " + CPLSPrintf("%.4g", 1e-3 * outside) +
                          " km outside the terrain; needs a place on it, or at most " +
                          CPLSPrintf("%.4g", 1e-3 * diagonal) + " km from its edge"};
     view.z = viewpoint.height ? *viewpoint.height : heightNear(frame, view.x, view.y);
@@ -156,6 +182,33 @@ Result<Viewpoint> placeViewpoint(const EarthViewpoint& viewpoint, const LocalFra
     view.range = viewpoint.range > 0.0 ? viewpoint.range : diagonal;
     raise(view, frame, notes);
     return view;
+}
+
+Result<ModelPlace> placeModel(const EarthModel& model, const LocalFrame& frame)
+{
+    const Result<OnMap> place =
+        model.place.isPlain ? onMapOfPlain(model.place, frame) : onMapOf(model.place, frame);
+    if (!place)
+        return place.error();
+    ModelPlace placed;
+    placed.x = (place->x - frame.mapX) * frame.metresPerX;
+    placed.y = (place->y - frame.mapY) * frame.metresPerY;
+    const double rounding = 1.0e-6 * std::hypot(frame.halfWidth, frame.halfHeight);
+    const double outside = std::hypot(std::max(0.0, std::abs(placed.x) - frame.halfWidth),
+                                      std::max(0.0, std::abs(placed.y) - frame.halfHeight));
+    if (!(outside <= rounding))
+        return Error{ErrorCode::Elsewhere, toString(model.place) + " lies " +
+                                               CPLSPrintf("%.4g", 1e-3 * outside) +
+                                               " km outside the terrain; needs a place on it"};
+    placed.heading = model.heading - place->convergence;
+    if (const double ground = frame.heightAt(placed.x, placed.y); !std::isnan(ground))
+        placed.ground = ground;
+    if (!placed.ground && !model.isAbsolute)
+        return Error{ErrorCode::Elsewhere,
+                     "the terrain has no height at " + toString(model.place) +
+                         "; needs a place that has one, or a height with mode=\"absolute\""};
+    placed.z = model.height + (model.isAbsolute ? 0.0 : *placed.ground);
+    return placed;
 }
 
 } // namespace osgTerrainLight

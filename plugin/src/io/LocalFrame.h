@@ -1,11 +1,13 @@
 #pragma once
 
 #include "core/Result.h"
+#include "io/EarthModel.h"
 #include "io/EarthViewpoint.h"
 #include <osgTerrainLight/DemTile.h>
 #include <osgTerrainLight/Viewpoint.h>
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,5 +36,18 @@ LocalFrame localFrameOf(const DemTile& tile);
 /// CRS, its map does not show the place, or the place is farther from its edge than that.
 Result<Viewpoint> placeViewpoint(const EarthViewpoint& viewpoint, const LocalFrame& frame,
                                  std::vector<std::string>& notes);
+
+/// Where a model stands in the frame.
+struct ModelPlace
+{
+    double x = 0.0, y = 0.0, z = 0.0; ///< of its origin [m]
+    double heading = 0.0;             ///< degrees clockwise from the frame's y axis
+    std::optional<double> ground;     ///< height of the terrain there [m], where it is known
+};
+
+/// A plain place that fits degrees is one in degrees, where the terrain has a CRS that tells them;
+/// all other plain places are those of the terrain's map. Errors: those of placeViewpoint(), the
+/// place is not on the terrain, or the model stands on the ground where there is none.
+Result<ModelPlace> placeModel(const EarthModel& model, const LocalFrame& frame);
 
 } // namespace osgTerrainLight

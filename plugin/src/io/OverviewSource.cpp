@@ -1,6 +1,7 @@
 #include "io/OverviewSource.h"
 
 #include "core/Crests.h"
+#include "io/Bilinear.h"
 #include "io/RasterHeights.h"
 
 #include <algorithm>
@@ -167,6 +168,21 @@ Result<std::function<double(double, double)>> OverviewSource::coarseHeights()
                        ? origin + static_cast<double>(shared->at(column, row))
                        : std::numeric_limits<double>::quiet_NaN();
         });
+}
+
+double OverviewSource::heightAt(double x, double y)
+{
+    const PostRect all = terrain();
+    const double above =
+        bilinear(x / middleEastSpacing() + 0.5 * (all.width - 1),
+                 y / northSpacing() + 0.5 * (all.height - 1), all.width, all.height,
+                 [&](int column, int row)
+                 {
+                     const Result<Raster<float>> post =
+                         readPosts({all.column + column, all.row + row, 1, 1});
+                     return post ? post->at(0, 0) : missing;
+                 });
+    return heightOrigin() + above;
 }
 
 Result<Raster<float>> OverviewSource::readPosts(const PostRect& posts)

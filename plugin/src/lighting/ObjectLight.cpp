@@ -99,7 +99,7 @@ glm::dvec2 shadowReach(const SkyLight& sky)
 }
 
 TileObjects objectsOn(const std::vector<ObjectLight::Placed>& placed, const glm::dvec3& corner,
-                      const DemTile& tile, const glm::dvec2& shadows)
+                      const DemTile& tile, const glm::dvec2& spacing, const glm::dvec2& shadows)
 {
     TileObjects objects;
     int row = 0;
@@ -107,6 +107,7 @@ TileObjects objectsOn(const std::vector<ObjectLight::Placed>& placed, const glm:
     {
         const ObjectCluster& cluster = each.cluster;
         TileObject object;
+        object.spacing = spacing;
         object.volume = each.node->volume();
         object.corner = cluster.origin - corner;
         object.voxels = cluster.voxels;
@@ -127,11 +128,8 @@ TileObjects objectsOn(const std::vector<ObjectLight::Placed>& placed, const glm:
         object.first = glm::floor(low / object.pitch) * object.pitch;
         object.texels = glm::ivec2(glm::ceil((high - object.first) / object.pitch)) + 1;
         const glm::dvec2 end = object.first + object.pitch * glm::dvec2(object.texels);
-        const int middle = std::clamp(static_cast<int>(0.5 * (low.y + high.y) / tile.northSpacing),
-                                      0, tile.height() - 1);
-        const double width = tile.eastSpacing(middle) * (tile.width() - 1);
-        const double height = tile.northSpacing * (tile.height() - 1);
-        if (object.first.x > width || object.first.y > height || end.x < 0.0 || end.y < 0.0)
+        const glm::dvec2 size = spacing * glm::dvec2(tile.width() - 1, tile.height() - 1);
+        if (object.first.x > size.x || object.first.y > size.y || end.x < 0.0 || end.y < 0.0)
             continue;
         object.row = row;
         row += object.texels.y;

@@ -68,9 +68,10 @@ private:
 glm::dvec2 shadowReach(const SkyLight& sky);
 
 /// What of a tile's ground objects of a cluster may change the light of. corner: of the lit tile's
-/// post (0, 0), at its heightOrigin, in the scene [m]. Nothing where the tile is too far away: it
-/// ends three of the objects' heights beyond them, and where their shadows do.
+/// post (0, 0), at its heightOrigin, in the scene [m]. spacing: as of a TileObject. Nothing where
+/// the tile is too far away: it ends three of the objects' heights beyond them, and where their
+/// shadows do.
 TileObjects objectsOn(const std::vector<ObjectLight::Placed>& placed, const glm::dvec3& corner,
-                      const DemTile& tile, const glm::dvec2& shadows);
+                      const DemTile& tile, const glm::dvec2& spacing, const glm::dvec2& shadows);
 
 } // namespace osgTerrainLight

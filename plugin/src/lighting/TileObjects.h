@@ -12,9 +12,13 @@ namespace osgTerrainLight
 {
 
 /// A volume of distances to objects on or beside a tile, and the ground of the tile that they may
-/// change the light of. Frame: metres east and north of post (0, 0), above the tile's heightOrigin.
+/// change the light of. Frame: metres east and north of post (0, 0), above the tile's heightOrigin,
+/// as the tile is drawn.
 struct TileObject
 {
+    /// Between columns and rows as they are drawn [m]: where rows are those of a map in degrees,
+    /// columns of all of them are drawn as far apart as those of one.
+    glm::dvec2 spacing{1.0};
     osg::ref_ptr<Resource> volume;  ///< ObjectVolumeNode::volume()
     glm::dvec3 corner{0.0};         ///< of the volume
     glm::ivec3 voxels{0};           ///< along its axes
@@ -27,10 +31,10 @@ struct TileObject
 
     bool operator==(const TileObject& other) const
     {
-        return volume == other.volume && corner == other.corner && voxels == other.voxels &&
-               voxel == other.voxel && low == other.low && high == other.high &&
-               first == other.first && pitch == other.pitch && texels == other.texels &&
-               row == other.row;
+        return spacing == other.spacing && volume == other.volume && corner == other.corner &&
+               voxels == other.voxels && voxel == other.voxel && low == other.low &&
+               high == other.high && first == other.first && pitch == other.pitch &&
+               texels == other.texels && row == other.row;
     }
 };
 using TileObjects = std::vector<TileObject>;

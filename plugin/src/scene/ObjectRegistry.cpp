@@ -231,10 +231,12 @@ bool ObjectRegistry::follow(ObjectLight& light, const TileRegistry& tiles, Probe
             // Of what is lit, which may reach beyond what is drawn.
             const DemTile& dem = ground.tile();
             const LitTile::Margin& margin = tile.lit->margin();
-            const glm::dvec3 corner(tile.corner->x() - margin.west * dem.nominalEastSpacing(),
-                                    tile.corner->y() - margin.south * dem.northSpacing,
+            const glm::dvec2 spacing(tile.spacing.x(), tile.spacing.y());
+            const glm::dvec3 corner(tile.corner->x() - margin.west * spacing.x,
+                                    tile.corner->y() - margin.south * spacing.y,
                                     tile.corner->z() + dem.heightOrigin);
-            changed = ground.setObjects(objectsOn(light.placed(), corner, dem, shadows)) || changed;
+            changed = ground.setObjects(objectsOn(light.placed(), corner, dem, spacing, shadows)) ||
+                      changed;
         });
     for (auto told = _told.begin(); told != _told.end();)
         told =

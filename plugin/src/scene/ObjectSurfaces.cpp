@@ -77,12 +77,10 @@ const SceneTile* tileAt(const osg::Vec3d& place, const TileRegistry& tiles)
                 return;
             const DemTile& dem = tile.lit->lighting().tile();
             const double north = place.y() - tile.corner->y();
-            const double row = tile.lit->margin().south + north / dem.northSpacing;
-            if (!(north >= 0.0 && north <= dem.northSpacing * (tile.lit->drawnHeight() - 1)))
+            if (!(north >= 0.0 && north <= tile.spacing.y() * (tile.lit->drawnHeight() - 1)))
                 return;
             const double east = place.x() - tile.corner->x();
-            if (!(east >= 0.0 && east <= dem.eastSpacing(static_cast<int>(row + 0.5)) *
-                                             (tile.lit->drawnWidth() - 1)))
+            if (!(east >= 0.0 && east <= tile.spacing.x() * (tile.lit->drawnWidth() - 1)))
                 return;
             const bool lit = tile.lit->state().stage == TileState::Stage::Lit;
             const bool isFiner =
@@ -235,7 +233,14 @@ void ObjectSurfaces::followProbe(ObjectSurface& surface, const ObjectBounds& bou
         surface._probePlace = middle;
         surface._probeCorner = corner;
         const osg::Vec3d place = middle - corner;
-        surface._probe->setPlace(place.x(), place.y());
+        // A probe counts metres of its row, which is drawn with another spacing.
+        const DemTile& dem = tile->lit->lighting().tile();
+        const double row =
+            tile->lit->margin().south +
+            std::clamp(place.y() / tile->spacing.y(), 0.0, tile->lit->drawnHeight() - 1.0);
+        surface._probe->setPlace(place.x() / tile->spacing.x() *
+                                     dem.eastSpacing(static_cast<int>(row + 0.5)),
+                                 place.y() / tile->spacing.y() * dem.northSpacing);
         surface._probe->setHeight(place.z(), false);
     }
     if (!isOtherTile)

@@ -76,6 +76,7 @@ struct SceneTile
     /// frame of TerrainLighting [m]; none where that is not known, or the tile's axes are not its
     /// axes.
     std::optional<osg::Vec3d> corner;
+    osg::Vec2d spacing; ///< between columns and rows as they are drawn [m], where corner is known
     bool saidObjects = false; ///< that their texture unit is taken
 
     std::unique_ptr<HostGround> host; ///< null: the tile was found, or its place is not known

@@ -333,8 +333,7 @@ void ShadingBinding::setEdges(osg::Texture2D* edges)
     _hasEdges->set(edges != nullptr);
 }
 
-void ShadingBinding::setObjects(osg::Texture2D* factor, const TileObjects& objects,
-                                const osg::Vec2d& spacings)
+void ShadingBinding::setObjects(osg::Texture2D* factor, const TileObjects& objects)
 {
     if (factor != _objects.texture)
     {
@@ -364,7 +363,7 @@ void ShadingBinding::setObjects(osg::Texture2D* factor, const TileObjects& objec
         const glm::dvec2 texels(factor->getTextureWidth(), factor->getTextureHeight());
         const glm::dvec2 posts(_shading.texture->getTextureWidth(),
                                _shading.texture->getTextureHeight());
-        const glm::dvec2 spacing(spacings.x(), spacings.y());
+        const glm::dvec2& spacing = object.spacing;
         const glm::dvec2 perMetre = 1.0 / (object.pitch * texels);
         const glm::dvec2 middle = (glm::dvec2(0.0, object.row) + 0.5) / texels; // of the first
         const glm::dvec2 scale = posts * spacing * perMetre;

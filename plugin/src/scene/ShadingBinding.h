@@ -56,7 +56,7 @@ public:
 
     /// What placed objects leave of the light, in its unit; null: none, and nothing in it. At most
     /// mostObjects; spacings: of the tile's posts [m].
-    void setObjects(osg::Texture2D* factor, const TileObjects& objects, const osg::Vec2d& spacings);
+    void setObjects(osg::Texture2D* factor, const TileObjects& objects);
     osg::Texture2D* objects() const { return _objects.texture.get(); }
     static constexpr std::size_t mostObjects = 8; ///< as in terrain_shading.glsl
 

@@ -227,6 +227,14 @@ std::optional<osg::Vec3d> cornerOf(const osgTerrain::TerrainTile& tile, const os
     return corner;
 }
 
+osg::Vec2d drawnSpacing(const osgTerrain::TerrainTile& tile, const osg::Matrixd& toScene,
+                        const DemTile& dem)
+{
+    const Placement place(*tile.getElevationLayer()->getLocator(), toScene);
+    const osg::Vec3d size = place.at(1.0, 1.0) - place.at(0.0, 0.0);
+    return {size.x() / std::max(1, dem.width() - 1), size.y() / std::max(1, dem.height() - 1)};
+}
+
 std::optional<ShadingCoordinates> affineCoordinates(const osgTerrain::TerrainTile& tile,
                                                     const std::vector<TilePart>& parts)
 {

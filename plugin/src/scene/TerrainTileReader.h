@@ -74,6 +74,10 @@ std::optional<PlacedGround> placeTerrainTile(const osgTerrain::TerrainTile& tile
 std::optional<osg::Vec3d> cornerOf(const osgTerrain::TerrainTile& tile, const osg::Matrixd& toScene,
                                    const DemTile& dem);
 
+/// Between columns and rows as they are drawn there [m]. Precondition: cornerOf() is known.
+osg::Vec2d drawnSpacing(const osgTerrain::TerrainTile& tile, const osg::Matrixd& toScene,
+                        const DemTile& dem);
+
 /// The tile's first colour layer as an albedo per post: a picture over the tile's whole extent, its
 /// bytes sRGB. Empty where it has none, one that is no picture, or one compressed for the GPU.
 Raster<Rgb> readTerrainAlbedo(const osgTerrain::TerrainTile& tile, int width, int height);

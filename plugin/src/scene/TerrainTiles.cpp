@@ -329,6 +329,8 @@ void TerrainTiles::use(SceneTile& tile, const FoundTile& found, bool fresh)
     if (!heights)
         return fail(tile, heights.error().message);
     tile.corner = cornerOf(terrain, found.toScene, heights->dem);
+    if (tile.corner)
+        tile.spacing = drawnSpacing(terrain, found.toScene, heights->dem);
     surround(tile, found, *heights);
     std::optional<ShadingCoordinates> coordinates = affineCoordinates(terrain, parts);
     tile.withoutGeometry = parts.empty();

@@ -197,9 +197,7 @@ void TileBinder::followObjects(SceneTile& tile)
                      << ": drawn without what objects do to its light: texture unit " << unit
                      << ", theirs, is that of the shading, of gloss or of heights" << std::endl;
     }
-    const DemTile& ground = tile.lit->lighting().tile();
-    tile.binding->setObjects(factor, drawn->objects,
-                             {ground.nominalEastSpacing(), ground.northSpacing});
+    tile.binding->setObjects(factor, drawn->objects);
 }
 
 void TileBinder::followGloss(SceneTile& tile)

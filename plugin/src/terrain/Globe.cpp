@@ -97,6 +97,14 @@ osg::Vec3d Globe::at(double mapX, double mapY, double height) const
     return world * _toScene;
 }
 
+osg::Matrixd Globe::axesAt(double mapX, double mapY) const
+{
+    osg::Matrixd toWorld;
+    _ellipsoid->computeLocalToWorldTransformFromLatLongHeight(mapY * _radiansPerUnit,
+                                                              mapX * _radiansPerUnit, 0.0, toWorld);
+    return toWorld * _toScene;
+}
+
 osg::BoundingBoxd Globe::extent(double lowest, double highest) const
 {
     constexpr int places = 16; // along a side

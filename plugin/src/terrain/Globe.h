@@ -29,6 +29,8 @@ public:
 
     /// Of map coordinates and a height [m], in the frame of the scene.
     osg::Vec3d at(double mapX, double mapY, double height) const;
+    /// From axes east, north and up at map coordinates and height 0 to the frame of the scene.
+    osg::Matrixd axesAt(double mapX, double mapY) const;
     /// Of the raster, between two heights, in the frame of the scene.
     osg::BoundingBoxd extent(double lowest, double highest) const;
     /// Mean radius of the ellipsoid [m].

@@ -6,7 +6,9 @@
 #include "io/HeightShift.h"
 #include "io/LocalFrame.h"
 #include "io/TileRaster.h"
+#include "terrain/PlacedModels.h"
 
+#include <osg/MatrixTransform>
 #include <osgDB/FileUtils>
 
 #include <cctype>
@@ -47,6 +49,7 @@ public:
         for (const EarthLayer& layer : _map.images)
             if (const Status drawn = readImage(layer); !drawn)
                 leaveOut(layer, drawn.error());
+        const std::vector<osg::ref_ptr<osg::Node>> models = placeModels();
         if (_paged)
             addPagedTerrain();
         else if (_tile)
@@ -57,6 +60,8 @@ public:
             _model.terrain = extentOf(*_tile);
             placeViewpoints(localFrameOf(*_tile));
         }
+        for (const osg::ref_ptr<osg::Node>& model : models)
+            _model.node->addChild(model);
         if (!_model.terrain.valid() && !_isMissing)
             return Error{ErrorCode::Invalid,
                          _source + ": no layer could be read, left out: " + _leftOut};
@@ -71,15 +76,19 @@ private:
     void leaveOut(const EarthLayer& layer, const Error& reason)
     {
         const std::string line = std::to_string(layer.line);
-        const std::string why =
-            reason.message + (reason.code == ErrorCode::NotFound && namesDrive(layer.url)
-                                  ? "; the path names a drive of Windows, and a path relative to "
-                                    "the map is found on every computer"
-                                  : "");
+        const std::string why = explained(reason, layer.url);
         _model.warnings.push_back(_source + ":" + line + ": left out " + layer.what + ": " + why);
         _leftOut +=
             (_leftOut.empty() ? "" : ", ") + layer.what + " (line " + line + ": " + why + ")";
         _isMissing = _isMissing && reason.code == ErrorCode::NotFound;
+    }
+
+    static std::string explained(const Error& reason, const std::string& url)
+    {
+        return reason.message + (reason.code == ErrorCode::NotFound && namesDrive(url)
+                                     ? "; the path names a drive of Windows, and a path relative "
+                                       "to the map is found on every computer"
+                                     : "");
     }
 
     /// The path that GDAL reads the layer by.
@@ -288,6 +297,74 @@ private:
         bent.y = place.y();
         bent.z = place.z();
         return bent;
+    }
+
+    /// Upright at its place, where there is a globe.
+    osg::ref_ptr<osg::Node> onGlobe(osg::Node& flat, const ModelPlace& place,
+                                    const LocalFrame& frame) const
+    {
+        if (!_model.globe)
+            return &flat;
+        const osg::ref_ptr<osg::MatrixTransform> bent =
+            new osg::MatrixTransform(osg::Matrixd::translate(-place.x, -place.y, 0.0) *
+                                     _model.globe->axesAt(frame.mapX + place.x / frame.metresPerX,
+                                                          frame.mapY + place.y / frame.metresPerY));
+        bent->addChild(&flat);
+        return bent;
+    }
+
+    /// Of the terrain at full resolution, whatever is drawn of it.
+    LocalFrame frameOfPosts()
+    {
+        LocalFrame frame = localFrameOf(*_tile);
+        if (_paged)
+            frame.heightAt = [this](double x, double y) { return _paged->heightAt(x, y); };
+        return frame;
+    }
+
+    /// Those that can be read and have a place on the terrain.
+    std::vector<osg::ref_ptr<osg::Node>> placeModels()
+    {
+        std::vector<osg::ref_ptr<osg::Node>> nodes;
+        if (_map.models.empty() || !_tile)
+            return nodes;
+        const LocalFrame frame = frameOfPosts();
+        ModelReader reader;
+        for (const EarthModel& model : _map.models)
+        {
+            const std::string start = _source + ":" + std::to_string(model.line) + ": ";
+            const auto leave = [&](const Error& reason)
+            {
+                _model.warnings.push_back(start + "left out " + model.what + ": " +
+                                          explained(reason, model.url));
+            };
+            const Result<ModelPlace> place = placeModel(model, frame);
+            if (!place)
+            {
+                leave(place.error());
+                continue;
+            }
+            const Result<osg::ref_ptr<osg::Node>> node = reader.read(resolved(model.url, _folder));
+            if (!node)
+            {
+                leave(node.error());
+                continue;
+            }
+            const osg::ref_ptr<osg::Node> placed = placedModel(model, *place, **node);
+            nodes.push_back(onGlobe(*placed, *place, frame));
+            if (model.minRange > 0.0)
+                _model.notes.push_back(start + model.what +
+                                       " takes no light from the ground, since its min_range is "
+                                       "more than 0");
+            const osg::BoundingSphere& bound = placed->getBound();
+            const double top = double(bound.center().z()) + double(bound.radius());
+            if (place->ground && top < *place->ground)
+                _model.warnings.push_back(start + model.what + " is hidden, " +
+                                          std::to_string(std::lround(*place->ground - top)) +
+                                          " m below the ground; mode=\"relative\" counts its "
+                                          "height from there");
+        }
+        return nodes;
     }
 
     const EarthMap& _map;

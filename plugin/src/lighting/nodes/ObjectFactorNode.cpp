@@ -81,11 +81,7 @@ void ObjectFactorNode::setCones()
 
 Status ObjectFactorNode::dispatch(osg::State& state, const TileObject& object)
 {
-    const DemTile& tile = _surface->tile();
-    const double middle = object.corner.y + 0.5 * object.voxel * object.voxels.y;
-    const int row =
-        std::clamp(static_cast<int>(middle / tile.northSpacing + 0.5), 0, tile.height() - 1);
-    _pass->set("spacings", vector(glm::dvec2(tile.eastSpacing(row), tile.northSpacing)));
+    _pass->set("spacings", vector(object.spacing));
     _pass->set("corner", vector(object.corner));
     _pass->set("volumeSize", vector(object.voxel * glm::dvec3(object.voxels)));
     _pass->set("voxel", static_cast<float>(object.voxel));
