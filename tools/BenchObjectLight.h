@@ -17,6 +17,7 @@ struct PlaceTruth
 {
     double light = 0.0, lightError = 0.0;     ///< with the objects
     double terrain = 0.0, terrainError = 0.0; ///< without
+    double atProbe = 0.0;                     ///< without, in the place's probe
 };
 constexpr int objectRays = 4096; ///< per place, each
 

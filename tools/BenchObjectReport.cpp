@@ -192,6 +192,9 @@ std::string tableOf(const ObjectReport& report)
                    report.repeats);
     table += "Light:     of a uniform sky, without bounces. The light of the terrain alone and its "
              "horizon are the reference's:\n           errors are those of what objects take\n";
+    table += "Methods:\n";
+    for (const ObjectMethod& method : objectMethods())
+        table += CPLSPrintf("  %-22s %s\n", method.name.c_str(), method.meaning.c_str());
     std::string ground;
     for (const ObjectRow& row : report.rows)
     {
@@ -271,7 +274,8 @@ Result<std::string> svgOf(const ObjectReport& report)
         {
             data << "$data" << g << "_" << f << " << END\n";
             for (const ObjectRow& row : report.rows)
-                if (row.ground == grounds[g] && row.method.rfind(families[f].prefix, 0) == 0)
+                if (row.ground == grounds[g] && row.method.rfind(families[f].prefix, 0) == 0 &&
+                    row.method != "cones-16-probe") // it lies on top of cones-16
                 {
                     data << row.reads << ' ' << 100.0 * row.errors.rms << ' '
                          << (f == 0 ? row.method.substr(6) : "\"\"") << '\n';

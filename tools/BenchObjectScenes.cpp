@@ -365,6 +365,10 @@ ObjectPlace placeOn(const Standing& object, Random& random, std::size_t& part)
     place.normal = glm::normalize(glm::cross(b - a, c - a));
     place.at = a + s * ((1.0 - t) * (b - a) + t * (c - a)) + hair * place.normal;
     place.surface = std::abs(place.normal.z) <= 0.5 ? Surface::Wall : Surface::Roof;
+    double top = 0.0;
+    for (const glm::vec3& vertex : mesh.vertices)
+        top = std::max(top, double(vertex.z));
+    place.probe = object.inScene({0.0, 0.0, 0.5 * top});
     part = object.form.partOf[chosen];
     return place;
 }
@@ -400,6 +404,7 @@ std::vector<ObjectPlace> findPlaces(const DemTile& tile, const std::vector<Stand
         place.normal = ground.normal;
         place.at.z = ground.height;
         place.at += hair * place.normal;
+        place.probe = place.at;
         if (isOpen(tile, objects, place.at, nullptr, 0))
             places.push_back(place);
     }

@@ -37,6 +37,9 @@ struct ObjectPlace
     Surface surface = Surface::Ground;
     glm::dvec3 at{0.0};     ///< [m] from post (0, 0) of the terrain, a hair above the surface
     glm::dvec3 normal{0.0}; ///< unit
+    /// Where the library has the light probe for it: in the middle of the object, above its
+    /// foundation. On the ground the place itself.
+    glm::dvec3 probe{0.0};
 };
 
 /// Objects on a ground. Each is there twice: as triangles, which rays meet, and as the shape that
