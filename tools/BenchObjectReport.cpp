@@ -18,6 +18,10 @@ namespace
 {
 
 const std::string all = "all";
+/// Places that lose more than a twentieth of the terrain's light to objects: elsewhere any method
+/// is nearly right.
+const std::string shaded = "shaded";
+constexpr double shadedBelow = 0.95;
 
 std::vector<std::string> groundsOf()
 {
@@ -53,11 +57,15 @@ ObjectRow rowOf(const ObjectReport& report, const std::vector<ObjectResult>& res
         seconds += light.seconds * double(result.places.size());
         for (std::size_t i = 0; i < result.places.size(); ++i)
         {
-            for (Pairs* into :
-                 {&pairs, &parts[toString(result.places[i].surface)], &parts[result.kind]})
+            const PlaceTruth& truth = result.measured.truths[i];
+            std::vector<Pairs*> those = {&pairs, &parts[toString(result.places[i].surface)],
+                                         &parts[result.kind]};
+            if (truth.light < shadedBelow * truth.terrain)
+                those.push_back(&parts[shaded]);
+            for (Pairs* into : those)
             {
                 into->found.push_back(light.light[i]);
-                into->truth.push_back(result.measured.truths[i].light);
+                into->truth.push_back(truth.light);
             }
             origins.emplace_back(&result, i);
         }
@@ -160,6 +168,7 @@ void fillRows(ObjectReport& report, const std::vector<ObjectResult>& results)
 {
     for (const Surface surface : allSurfaces())
         report.parts.emplace_back(toString(surface));
+    report.parts.push_back(shaded);
     double variance = 0.0, count = 0.0;
     for (const ObjectResult& result : results)
     {
@@ -191,7 +200,8 @@ std::string tableOf(const ObjectReport& report)
                    "not on a GPU; median of %d rounds\n",
                    report.repeats);
     table += "Light:     of a uniform sky, without bounces. The light of the terrain alone and its "
-             "horizon are the reference's:\n           errors are those of what objects take\n";
+             "horizon are the reference's:\n           errors are those of what objects take. "
+             "shaded: places that lose more than 5 % of it\n";
     table += "Methods:\n";
     for (const ObjectMethod& method : objectMethods())
         table += CPLSPrintf("  %-22s %s\n", method.name.c_str(), method.meaning.c_str());

@@ -26,7 +26,7 @@ struct ObjectRow
     double reads = 0.0;               ///< per place
     double millisecondsPer1000 = 0.0; ///< places, on one thread
     LightErrors errors;
-    std::map<std::string, double> rms; ///< by surface, and by kind of scene
+    std::map<std::string, double> rms; ///< by surface, where shaded, and by kind of scene
     // The worst place.
     int scene = 0;
     std::string kind;
