@@ -28,8 +28,9 @@ constexpr bool glslChecked = true;
 /// C++ side of the dialect that shaders/lib shares with GLSL: every function of shaders/lib as a
 /// member, in the precision of Real (float or double). The other side is preamble.glsl. Checked: a
 /// call that breaks a function's precondition ends the program, in any build; a type of its own,
-/// so that tests can check where the library does not.
-template <class Real, bool Checked = glslChecked>
+/// so that tests can check where the library does not. Counted: reads of volumes are counted, per
+/// thread, for benchmarks.
+template <class Real, bool Checked = glslChecked, bool Counted = false>
 struct Glsl
 {
     using real = Real;
@@ -58,9 +59,14 @@ struct Glsl
         return ivec2(raster.width(), raster.height());
     }
 
+    /// textureLod() of volumes since the thread set it to 0, where Counted.
+    static inline thread_local unsigned long volumeReads = 0;
+
     /// Trilinear between voxels' centres, clamped to the edge.
     static vec4 textureLod(DistanceVolume volume, vec3 place, Real)
     {
+        if constexpr (Counted)
+            ++volumeReads;
         const ivec3 size(volume.width(), volume.height(), volume.depth());
         const vec3 voxel = glm::clamp(place * vec3(size) - Real(0.5), vec3(0), vec3(size - 1));
         const ivec3 low = glm::min(ivec3(glm::floor(voxel)), glm::max(size - 2, 0));

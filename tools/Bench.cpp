@@ -1,5 +1,6 @@
 #include "BenchFiles.h"
 #include "BenchMeasure.h"
+#include "BenchObjects.h"
 #include "core/SyntheticTerrain.h"
 
 #include <cpl_conv.h>
@@ -95,9 +96,7 @@ std::vector<Row> planRows(const Options& options)
 void checkOptions(const Options& options)
 {
     if (options.input.empty() && options.generated.empty())
-        throw CLI::ValidationError("INPUT", "needed: a DEM, or --generate KIND");
-    if (!options.plot.empty() && !EQUAL(CPLGetExtension(options.plot.c_str()), "svg"))
-        throw CLI::ValidationError("--plot", options.plot + ": needs a name that ends in .svg");
+        throw CLI::ValidationError("INPUT", "needed: a DEM, --generate KIND, or --objects");
     if (options.posts == 0 && !options.plot.empty())
         throw CLI::ValidationError("--plot", "draws errors: needs --posts 1 or more");
     if (options.settings.bounces > 0 && options.settings.albedo == Rgb{})
@@ -175,8 +174,17 @@ Status fill(Report& report, const Options& options, const Gpu& gpu, const DemTil
     return Nothing{};
 }
 
+void checkPicture(const Options& options)
+{
+    if (!options.plot.empty() && !EQUAL(CPLGetExtension(options.plot.c_str()), "svg"))
+        throw CLI::ValidationError("--plot", options.plot + ": needs a name that ends in .svg");
+}
+
 Status run(const Options& options)
 {
+    checkPicture(options);
+    if (options.objects)
+        return runObjects(options, now());
     checkOptions(options);
     if (Status writable = checkOutputs(options); !writable)
         return writable;
@@ -218,7 +226,8 @@ Mode addBench(CLI::App& tool)
     app->footer("Examples:\n"
                 "  terrainlight bench dem.tif\n"
                 "  terrainlight bench dem.tif --azimuths 16,32 --csv bench.csv --plot bench.svg\n"
-                "  terrainlight bench --generate cliffs,7 --size 512 --sun 90,10");
+                "  terrainlight bench --generate cliffs,7 --size 512 --sun 90,10\n"
+                "  terrainlight bench --objects --csv objects.csv");
     const auto options = std::make_shared<Options>();
     addOptions(*app, *options);
     return {app, [options] { return run(*options); }};

@@ -83,6 +83,11 @@ Status writeFiles(const Options& options, const Report& report)
             return Error{svg.error().code, options.plot + ": " + svg.error().message};
         files.emplace_back(options.plot, *svg);
     }
+    return writeFiles(files);
+}
+
+Status writeFiles(const std::vector<std::pair<std::string, std::string>>& files)
+{
     for (const auto& [path, content] : files)
         if (Status written = writeText(path, content); !written)
             return written;

@@ -124,14 +124,43 @@ void addEffort(CLI::App& app, Options& options)
         "at N/10); 0: cost alone; default " +
             std::to_string(options.posts),
         [&options](const auto& v) { options.posts = static_cast<std::size_t>(v[0]); });
-    addLimitedNumbers(
-        app, "--seed", "N", {{"seed", 0.0, 4294967295.0, true}}, "Which random posts; default 1",
-        [&options](const auto& v) { options.seed = static_cast<std::uint32_t>(v[0]); });
+    addLimitedNumbers(app, "--seed", "N", {{"seed", 0.0, 4294967295.0, true}},
+                      "Which random posts, or scenes of --objects; default 1",
+                      [&options](const auto& v)
+                      { options.seed = static_cast<std::uint32_t>(v[0]); });
     addLimitedNumbers(
         app, "--repeats", "N", {{"repeats", 1.0, 1000.0, true}},
         "Rounds, in each of which every row runs twice, the first time to warm up (once "
         "where that takes 20 s); times are medians; default 5",
         [&options](const auto& v) { options.repeats = static_cast<int>(v[0]); });
+}
+
+/// --objects, --scenes, --places. Of the mode's other options those that say what of a terrain is
+/// measured do not go with them.
+void addObjects(CLI::App& app, Options& options)
+{
+    CLI::Option* objects = app.add_flag(
+        "--objects", options.objects,
+        "Measures sky light on and around placed objects, in place of a terrain: how the library's "
+        "cones, an ambient cube and samples along the normal (Evans 2006) compare with rays, in "
+        "generated scenes on a plain, in a valley and on rough ground");
+    for (CLI::Option* option : app.get_options())
+        if (option != objects && !option->check_lname("seed") && !option->check_lname("repeats") &&
+            !option->check_lname("help") && !option->check_lname("csv") &&
+            !option->check_lname("json") && !option->check_lname("plot") &&
+            !option->check_lname("quiet") && !option->check_lname("config"))
+            objects->excludes(option);
+    addLimitedNumbers(app, "--scenes", "N", {{"scenes", 1.0, 256.0, true}},
+                      "Scenes with objects on each ground, of four kinds in turn; default " +
+                          std::to_string(options.scenes),
+                      [&options](const auto& v) { options.scenes = static_cast<int>(v[0]); })
+        ->needs(objects);
+    addLimitedNumbers(app, "--places", "N", {{"places", 4.0, 10000.0, true}},
+                      "Places in each scene, half of them on the ground and a quarter each on "
+                      "walls and roofs; default " +
+                          std::to_string(options.places),
+                      [&options](const auto& v) { options.places = static_cast<int>(v[0]); })
+        ->needs(objects);
 }
 
 /// --csv, --json, --plot.
@@ -202,6 +231,7 @@ void addOptions(CLI::App& app, Options& options)
     addEffort(app, options);
     addFiles(app, options);
     app.add_flag("-q,--quiet", options.quiet, "No progress; the table stays");
+    addObjects(app, options);
     addConfig(app);
 }
 

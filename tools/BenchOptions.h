@@ -37,6 +37,8 @@ struct Options
     std::size_t posts = 4000;
     std::uint32_t seed = 1;
     int repeats = 5;
+    bool objects = false;         ///< objects in place of a terrain
+    int scenes = 16, places = 60; ///< with objects; places: in each scene
     std::string csv, json, plot;
     bool quiet = false;
 };

@@ -1,3 +1,5 @@
+#include "BenchPlot.h"
+
 #include "BenchReport.h"
 
 #include <cpl_conv.h>
@@ -20,8 +22,8 @@ struct FileCloser
     void operator()(VSILFILE* file) const { VSIFCloseL(file); }
 };
 
-/// Output of gnuplot for a script. Both travel through pipes: no shell reads them, and gnuplot
-/// opens no file (-d: not even its user's settings).
+} // namespace
+
 Result<std::string> runGnuplot(const std::string& script)
 {
     const std::string name = "/vsimem/terrainlight-gnuplot.";
@@ -44,7 +46,6 @@ Result<std::string> runGnuplot(const std::string& script)
     return written;
 }
 
-/// A string of the script: nothing in it is special to gnuplot, and it is legal in XML.
 std::string quoted(std::string text)
 {
     if (!CPLIsUTF8(text.c_str(), -1))
@@ -62,7 +63,6 @@ std::string quoted(std::string text)
     return result + "'";
 }
 
-/// A logarithmic axis around values > 0, with room for labels beside the points; labelled 1, 2, 5.
 std::string logarithmic(const char* axis, const std::vector<double>& values)
 {
     const auto [low, high] = std::minmax_element(values.begin(), values.end());
@@ -75,6 +75,9 @@ std::string logarithmic(const char* axis, const std::vector<double>& values)
                       *high * 1.8) +
            std::string("set ") + axis + "tics (" + tics + ")\n";
 }
+
+namespace
+{
 
 std::vector<std::string> methodsOf(const Report& report)
 {

@@ -1,4 +1,6 @@
 // CSV and JSON: the same columns of every row.
+#include "BenchRecords.h"
+
 #include "BenchReport.h"
 
 #include <cpl_json.h>
@@ -12,15 +14,6 @@ namespace osgTerrainLight::tool::bench
 {
 namespace
 {
-
-/// Nothing where a row was skipped, or a number does not exist.
-using Value = std::variant<std::monostate, std::string, std::int64_t, double>;
-
-struct Cell
-{
-    std::string column;
-    Value value;
-};
 
 /// A row as CSV and JSON have it: always the same columns, which docs/TOOL.md lists.
 std::vector<Cell> cellsOf(const Report& report, const Row& row)
@@ -98,6 +91,8 @@ std::string csvField(const Value& value)
     return quoted + '"';
 }
 
+} // namespace
+
 CPLJSONObject jsonOf(const std::vector<Cell>& cells)
 {
     CPLJSONObject object;
@@ -113,22 +108,29 @@ CPLJSONObject jsonOf(const std::vector<Cell>& cells)
     return object;
 }
 
-} // namespace
+std::string csvOf(const std::vector<std::vector<Cell>>& rows)
+{
+    std::string header, body;
+    for (const std::vector<Cell>& row : rows)
+    {
+        header.clear();
+        std::string line;
+        for (const Cell& cell : row)
+        {
+            header += (header.empty() ? "" : ",") + cell.column;
+            line += (&cell == row.data() ? "" : ",") + csvField(cell.value);
+        }
+        body += line + "\n";
+    }
+    return header + "\n" + body;
+}
 
 std::string csvOf(const Report& report)
 {
-    std::string header, body;
+    std::vector<std::vector<Cell>> rows;
     for (const Row& row : report.rows)
-    {
-        header.clear();
-        for (const Cell& cell : cellsOf(report, row))
-        {
-            header += (header.empty() ? "" : ",") + cell.column;
-            body += (cell.column == "method" ? "" : ",") + csvField(cell.value);
-        }
-        body += "\n";
-    }
-    return header + "\n" + body;
+        rows.push_back(cellsOf(report, row));
+    return csvOf(rows);
 }
 
 std::string jsonOf(const Report& report)

@@ -37,28 +37,6 @@ std::vector<Post> randomPosts(const DemTile& tile, std::size_t count, std::uint3
     return posts;
 }
 
-/// job(0) … job(count − 1) on all cores.
-void inParallel(std::size_t count, const std::function<void(std::size_t)>& job,
-                const std::function<void(double)>& progress)
-{
-    std::atomic<std::size_t> next{0};
-    const auto work = [&](bool reports)
-    {
-        for (std::size_t i = next++; i < count; i = next++)
-        {
-            job(i);
-            if (reports)
-                progress(static_cast<double>(i) / static_cast<double>(count));
-        }
-    };
-    std::vector<std::thread> others;
-    for (unsigned i = 1; i < std::thread::hardware_concurrency(); ++i)
-        others.emplace_back(work, false);
-    work(true);
-    for (std::thread& thread : others)
-        thread.join();
-}
-
 double luminance(const reference::LinearRgb& c)
 {
     return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
@@ -127,6 +105,27 @@ std::vector<Compared> compareIndirect(const Truth& truth, const Found& found)
 }
 
 } // namespace
+
+void inParallel(std::size_t count, const std::function<void(std::size_t)>& job,
+                const std::function<void(double)>& progress)
+{
+    std::atomic<std::size_t> next{0};
+    const auto work = [&](bool reports)
+    {
+        for (std::size_t i = next++; i < count; i = next++)
+        {
+            job(i);
+            if (reports)
+                progress(static_cast<double>(i) / static_cast<double>(count));
+        }
+    };
+    std::vector<std::thread> others;
+    for (unsigned i = 1; i < std::thread::hardware_concurrency(); ++i)
+        others.emplace_back(work, false);
+    work(true);
+    for (std::thread& thread : others)
+        thread.join();
+}
 
 double Truth::horizon(std::size_t post, int azimuth, int azimuths) const
 {

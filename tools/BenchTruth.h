@@ -14,6 +14,10 @@
 namespace osgTerrainLight::tool::bench
 {
 
+/// job(0) … job(count − 1) on all cores. progress: 0 … 1, on the calling thread.
+void inParallel(std::size_t count, const std::function<void(std::size_t)>& job,
+                const std::function<void(double)>& progress);
+
 struct Post
 {
     int column = 0, row = 0;

@@ -14,3 +14,5 @@
 #include "environment.glsl"
 #include "distance.glsl"
 #include "object_light.glsl"
+#include "ambient_cube.glsl"
+#include "normal_samples.glsl"

@@ -110,7 +110,8 @@ void factorOfMovingBoxes(benchmark::State& state)
     {
         state.PauseTiming();
         light->set(boxes(frame++, aSide * aSide));
-        tile->setObjects(objectsOn(light->placed(), {0.0, 0.0, 0.0}, ground(), shadowReach(sky)));
+        tile->setObjects(
+            objectsOn(light->placed(), {0.0, 0.0, 0.0}, ground(), {1.0, 1.0}, shadowReach(sky)));
         if (!light->update(context->state()))
             state.SkipWithError("no volume");
         glFinish();

@@ -317,6 +317,59 @@ TEST(PathTracerSky, PlaneAndRamp)
 
 namespace
 {
+Receiver at(const Vector3& place, const Vector3& normal)
+{
+    Receiver receiver;
+    receiver.place = FreePlace{place, normal};
+    return receiver;
+}
+
+/// A wall of two triangles along x through (0, y, 0), from 5 km west to 5 km east.
+void addWall(std::vector<Triangle>& triangles, double y, double top)
+{
+    const Vector3 a = {-5000.0, y, 0.0}, b = {5000.0, y, 0.0}, c = {5000.0, y, top},
+                  d = {-5000.0, y, top};
+    triangles.push_back({{a, b, c}, {}, {}});
+    triangles.push_back({{a, c, d}, {}, {}});
+}
+} // namespace
+
+// Places that are no posts. Every normal of open level ground gets (1 + cos)/2; before an endless
+// wall of height h a distance d away level ground gets (1 + cos(atan(h/d)))/2, half at its foot;
+// the wall's own face gets half. What lies beyond the wall's ends, 5 km away, is an angle of less
+// than 1e-3 of the half space.
+TEST(PathTracerSky, PlacesOfTheirOwn)
+{
+    SceneDescription scene;
+    scene.tile = analytic::plane(9, 8, 10.0, 100.0);
+    const PathTracer open = std::move(PathTracer::build(scene).value());
+    for (const double tilt : {0.0, 0.7, pi / 2.0, 2.0})
+    {
+        const Receiver receiver =
+            at({33.0, 41.0, 103.0}, {0.6 * std::sin(tilt), 0.8 * std::sin(tilt), std::cos(tilt)});
+        expectWithin3Sigma(traceOne(open, uniformSky(), receiver, options(4096)).sky,
+                           0.5 * (1.0 + std::cos(tilt)));
+    }
+    scene.tile = analytic::plane(9, 8, 10.0, 0.0);
+    addWall(scene.triangles, 35.0, 3.0);
+    const PathTracer walled = std::move(PathTracer::build(std::move(scene)).value());
+    for (const double distance : {1e-4, 0.5, 1.5, 3.0, 10.0})
+    {
+        const Receiver ground = at({40.0, 35.0 - distance, 1e-6}, {0.0, 0.0, 1.0});
+        const Estimate sky = traceOne(walled, uniformSky(), ground, options(16384)).sky;
+        EXPECT_NEAR(sky.mean[0], 0.5 * (1.0 + std::cos(std::atan(3.0 / distance))),
+                    3.0 * sky.standardError[0] + 1e-3)
+            << distance;
+    }
+    const Receiver face = at({40.0, 35.0 - 1e-6, 1.5}, {0.0, -1.0, 0.0});
+    expectWithin3Sigma(traceOne(walled, uniformSky(), face, options(4096)).sky, 0.5);
+    // Below the ground everything is hidden.
+    const Receiver buried = at({40.0, 20.0, -0.01}, {0.0, 0.0, 1.0});
+    EXPECT_EQ(traceOne(walled, uniformSky(), buried, options(64)).sky.mean[0], 0.0);
+}
+
+namespace
+{
 /// Every eleventh post (of a whole run) of a terrain, direct sky against 2880 exhaustive horizons:
 /// the mean within 0.1 %, and single posts by their own errors.
 void expectSkyOf(TerrainKind kind)
@@ -1207,6 +1260,13 @@ TEST(PathTracerInput, BadReceiversLightsAndOptionsAreRefused)
     EXPECT_TRUE(refuses(light, onTriangle, options(64)));
     onTriangle.triangle = 1;
     EXPECT_TRUE(refuses(light, onTriangle, options(64)));
+    Receiver free;
+    free.place = FreePlace{{1.0, 1.0, 1.0}, {0.0, 0.0, 1.0}};
+    EXPECT_FALSE(refuses(light, free, options(64)));
+    free.place->normal[2] = 0.9;
+    EXPECT_TRUE(refuses(light, free, options(64)));
+    free.place = FreePlace{{1.0, infinity, 1.0}, {0.0, 0.0, 1.0}};
+    EXPECT_TRUE(refuses(light, free, options(64)));
 
     const Receiver receiver = post(3, 2);
     EXPECT_TRUE(refuses(light, receiver, options(0)));

@@ -586,6 +586,14 @@ Result<std::vector<ReceivedLight>> PathTracer::trace(const Illumination& illumin
         const std::string name = "receiver " + std::to_string(points.size());
         if (r.towards && !(std::abs(dot(*r.towards, *r.towards) - 1.0) < 1e-9))
             return invalid(name + " sends light towards a direction that is not of length 1");
+        if (r.place)
+        {
+            const auto& [at, normal] = *r.place;
+            if (!std::isfinite(dot(at, at)) || !(std::abs(dot(normal, normal) - 1.0) < 1e-9))
+                return invalid(name + " has no finite place or no normal of length 1");
+            points.push_back(_scene->pointAt(at, normal));
+            continue;
+        }
         if (r.triangle >= 0)
         {
             if (static_cast<std::size_t>(r.triangle) >= triangles)

@@ -33,6 +33,13 @@ struct Illumination
 Raster<double> importanceOf(const std::function<LinearRgb(const Vector3&)>& environment, int width,
                             int height);
 
+/// A place that lies on nothing of the scene, and the way it faces.
+struct FreePlace
+{
+    Vector3 at = {};     ///< metres from post (0, 0): x east, y north, z above heightOrigin
+    Vector3 normal = {}; ///< unit
+};
+
 /// Where light is received.
 struct Receiver
 {
@@ -44,6 +51,9 @@ struct Receiver
     int triangle = -1;
     double s = 1.0 / 3.0;
     double t = 1.0 / 3.0;
+    /// … or, where given, a place of its own. Rays meet all that is there: a place on a surface is
+    /// given a little above it.
+    std::optional<FreePlace> place = std::nullopt;
     /// Where given, a unit direction: what is received is weighed by the scene's glossy lobe about
     /// its mirror direction, instead of by the cosine over π. Times gloss it is what is sent there.
     std::optional<Vector3> towards = std::nullopt;
@@ -109,9 +119,10 @@ public:
     /// Light at each receiver, in their order. The k-th of a list draws other random numbers than
     /// the rest, so one receiver given n times gets n independent estimates.
     ///
-    /// Errors, all Invalid: a receiver outside the tile, on a void post or outside its triangle; an
-    /// option, radiance, irradiance, sun or table out of range; a table that is 0 all over the
-    /// sky's extent; a radiance that comes out not finite.
+    /// Errors, all Invalid: a receiver outside the tile, on a void post, outside its triangle or at
+    /// a place that is not finite or has no unit normal; an option, radiance, irradiance, sun or
+    /// table out of range; a table that is 0 all over the sky's extent; a radiance that comes out
+    /// not finite.
     Result<std::vector<ReceivedLight>> trace(const Illumination& illumination,
                                              const std::vector<Receiver>& receivers,
                                              const PathTracerOptions& options = {}) const;

@@ -587,6 +587,14 @@ SurfacePoint RayScene::pointOfTriangle(int index, double s, double t) const
     return point;
 }
 
+SurfacePoint RayScene::pointAt(const Vector3& metres, const Vector3& normal) const
+{
+    SurfacePoint point;
+    point.grid = {metres[0] / _embree->eastStep, metres[1] / _embree->northStep, metres[2]};
+    point.normal = normal;
+    return point;
+}
+
 bool RayScene::isOccluded(const SurfacePoint& start, const Vector3& direction) const
 {
     Query query = _embree->queryFrom(start, direction);

@@ -94,6 +94,8 @@ public:
     /// The front of triangle `index` at corner 0 + s·(corner 1 − corner 0) + t·(corner 2 − corner
     /// 0).
     SurfacePoint pointOfTriangle(int index, double s, double t) const;
+    /// A place that lies on nothing: metres from post (0, 0), and a unit normal.
+    SurfacePoint pointAt(const Vector3& metres, const Vector3& normal) const;
 
     /// Does a ray from `start` in `direction` (unit; x east, y north, z up) meet anything? Safe
     /// from any thread, as is firstHit().
