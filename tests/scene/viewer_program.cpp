@@ -63,7 +63,8 @@ void expect(bool condition, const std::string& what)
 
 osgViewer::ViewerBase::ThreadingModel threadingModel(const std::string& name)
 {
-    return name == "DrawThreadPerContext" ? osgViewer::ViewerBase::DrawThreadPerContext
+    return name == "DrawThreadPerContext"       ? osgViewer::ViewerBase::DrawThreadPerContext
+           : name == "CullDrawThreadPerContext" ? osgViewer::ViewerBase::CullDrawThreadPerContext
            : name == "CullThreadPerCameraDrawThreadPerContext"
                ? osgViewer::ViewerBase::CullThreadPerCameraDrawThreadPerContext
                : osgViewer::ViewerBase::SingleThreaded;
