@@ -117,8 +117,10 @@ vec4 terrainFormerShading(vec2 coordinate)
                                                     osgTerrainLight_formerPosts, place));
 }
 
-// What objects leave of the light: 1 where there are none.
-vec4 terrainObjects(vec2 coordinate)
+// What objects leave of the light: 1 where there are none. seen: visible fraction of the sun
+// without them. Clusters hide different parts of the sky, so their factors multiply; but where the
+// shadows of two meet, the sun is gone once, and the darker one counts.
+vec4 terrainObjects(vec2 coordinate, float seen)
 {
     vec4 left = vec4(1.0);
     for (int i = 0; i < osgTerrainLight_objectCount; ++i)
@@ -128,7 +130,10 @@ vec4 terrainObjects(vec2 coordinate)
         vec2 place = coordinate * toOwn.xy + toOwn.zw;
         if (place.x > corners.x && place.y > corners.y && place.x < corners.z &&
             place.y < corners.w)
-            left *= terrainTexel(osgTerrainLight_objects, place);
+        {
+            vec4 here = terrainTexel(osgTerrainLight_objects, place);
+            left = mix(left * here, min(left, here), seen * (1.0 - left.a) * (1.0 - here.a));
+        }
     }
     return left;
 }
@@ -148,5 +153,7 @@ vec4 terrainFadedShading(vec2 coordinate)
 vec4 terrainShading(vec2 coordinate)
 {
     vec4 shading = terrainFadedShading(coordinate);
-    return osgTerrainLight_objectCount > 0 ? shading * terrainObjects(coordinate) : shading;
+    if (osgTerrainLight_objectCount > 0)
+        shading *= terrainObjects(coordinate, shading.a);
+    return shading;
 }

@@ -147,6 +147,7 @@ TEST(Globe, TheSunStandsAsItDoesOverEachTile)
     light->sky.sunAzimuth = 100.0;
     light->sky.sunElevation = 5.0;
     light->sky.sunIrradiance = {1.0f, 1.0f, 1.0f};
+    light->settings.bodyRadius = globe->radius(); // as the viewer has it
     const auto axes = [](double longitude, double latitude)
     {
         const double a = longitude * radians, b = latitude * radians;
@@ -162,6 +163,7 @@ TEST(Globe, TheSunStandsAsItDoesOverEachTile)
                            middle[2] * std::sin(elevation);
     Drawn drawn(*read.getNode());
     ASSERT_EQ(drawn.tiles.size(), 4u);
+    int lightedPosts = 0; // the southern tiles have one row
     for (osgTerrain::TerrainTile* tile : drawn.tiles)
     {
         const Result<TerrainHeights> heights = readTerrainTile(*tile, osg::Matrixd());
@@ -172,19 +174,61 @@ TEST(Globe, TheSunStandsAsItDoesOverEachTile)
         ASSERT_TRUE(lit->update(context->state(), light, nullptr));
         const Raster<osg::Vec4f> shading = lit->lighting().readShading(context->state());
         const osg::Matrixd& extent = tile->getLocator()->getTransform();
-        const osg::Vec3d centre = osg::Vec3d(0.5, 0.5, 0.0) * extent; // radians
-        const double expected =
-            sun * axes(centre.x() / radians, centre.y() / radians)[2] / (180.0 * radians);
-        // The sun of a tile is that of its middle; what is void has no light.
-        int lightedPosts = 0;
-        for (int i = 0; i <= 64; ++i)
-            if (heights->dem.isValid(i, i))
-            {
-                EXPECT_NEAR(static_cast<double>(shading.at(i, i).x()), expected, 2.0e-4);
-                ++lightedPosts;
-            }
-        EXPECT_GT(lightedPosts, 0);
+        for (int row = 1; row < 64; row += 9)
+            for (int column = 1; column < 64; column += 9)
+                if (heights->dem.isValid(column, row) && heights->dem.isValid(column, row - 1) &&
+                    heights->dem.isValid(column + 1, row))
+                {
+                    const osg::Vec3d place =
+                        osg::Vec3d(column / 64.0, row / 64.0, 0.0) * extent; // radians
+                    const double expected =
+                        sun * axes(place.x() / radians, place.y() / radians)[2] / (180.0 * radians);
+                    EXPECT_NEAR(static_cast<double>(shading.at(column, row).x()), expected, 2.0e-4)
+                        << column << ", " << row;
+                    ++lightedPosts;
+                }
         lit->lighting().releaseGLObjects(&context->state());
+    }
+    EXPECT_GT(lightedPosts, 50);
+}
+
+// Longitudes of 0 to 360 degrees, and of rasters across the 180th meridian: a vertex has the place
+// on the tile that its post has.
+TEST(Globe, VerticesFindTheirPlaceBeyondTheDateLine)
+{
+    for (const double west : {170.0, 179.9, 200.0, 359.0, -181.0})
+    {
+        MemoryRaster raster = inDegrees(65, [](int column, int) { return 1.0 * column; });
+        raster.transform[0] = west - 0.005;
+        const std::string path = raster.write();
+        auto source = sourceOf(path, 5);
+        const Result<Globe> globe = Globe::under(*source, path);
+        ASSERT_TRUE(globe);
+        const osg::ref_ptr<PagedTerrain> terrain =
+            new PagedTerrain(std::move(source), {}, HorizonQuality::Normal, *globe);
+        auto read = terrain->readNode("1/0/0", nullptr);
+        ASSERT_TRUE(read.validNode());
+        struct Places : osg::NodeVisitor
+        {
+            Places() : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN) {}
+            void apply(osg::Geometry& geometry) override
+            {
+                const auto& coordinates = dynamic_cast<const osg::Vec2Array&>(
+                    *geometry.getTexCoordArray(ShadingTexture::coordinateSet));
+                for (const osg::Vec2& place : coordinates)
+                {
+                    low = std::min(low, std::min(place.x(), place.y()));
+                    high = std::max(high, std::max(place.x(), place.y()));
+                    ++count;
+                }
+            }
+            float low = 1.0e9f, high = -1.0e9f;
+            int count = 0;
+        } places;
+        read.getNode()->accept(places);
+        EXPECT_GE(places.count, 4 * 33 * 33) << west;
+        EXPECT_NEAR(places.low, 0.0f, 1.0e-4f) << west;
+        EXPECT_NEAR(places.high, 1.0f, 1.0e-4f) << west;
     }
 }
 
@@ -228,6 +272,16 @@ TEST(Globe, MapsAreGeocentricWhereTheySaySo)
     const osg::ref_ptr<osg::CoordinateSystemNode> world = round.globe->around(*scene);
     const osg::Vec3d place = osg::Vec3d(view.x, view.y, view.z) * scene->getWorldMatrices().at(0);
     EXPECT_LT((place - ToGeocentric()(10.5, 46.5, 500.0)).length(), 0.01);
+    // It looks straight down there, which is not straight down in the middle.
+    const double heading = view.heading * radians, pitch = view.pitch * radians;
+    const osg::Vec3d ahead =
+        osg::Matrixd::transform3x3(osg::Vec3d(std::sin(heading) * std::cos(pitch),
+                                              std::cos(heading) * std::cos(pitch), std::sin(pitch)),
+                                   scene->getWorldMatrices().at(0));
+    osg::Vec3d down = ToGeocentric()(10.5, 46.5, 0.0) - ToGeocentric()(10.5, 46.5, 1000.0);
+    down.normalize();
+    EXPECT_LT((ahead - down).length(), 1.0e-6);
+    EXPECT_GT(view.pitch, -89.9);
 
     MemoryRaster raster;
     raster.width = raster.height = 9;

@@ -315,13 +315,35 @@ TEST(PlacedObject, WithoutAFieldChangesNothing)
     EXPECT_NE(plain.picture->pixels(), none.picture->pixels());
 }
 
+// Two boxes whose volumes are two: where both take the sun, it is taken once. Expected: the light
+// of the nearer one alone, since the other hides less than 1 % of the sky from 47 m away.
+TEST(PlacedObject, TwoShadowsTakeTheSunOnce)
+{
+    OTL_NEED_GL(context);
+    SkyLight sky = uniformSky(true);
+    sky.sunElevation = 20.0;
+    const osg::ref_ptr<PlacedObject> near = boxObject(4.0, 16.0, 6.0);
+    Plain plain(near, sky);
+    plain.place->setMatrix(osg::Matrix::translate(-12.0, 0.0, 0.0));
+    plain.picture->draw(4);
+    const double open = plain.lightAt(-22.0, 24.0), alone = plain.lightAt(-22.0, 0.0);
+    EXPECT_LT(alone, 0.75 * open);
+    const osg::ref_ptr<osg::MatrixTransform> far = new osg::MatrixTransform;
+    far->setMatrix(osg::Matrix::translate(25.0, 0.0, 0.0));
+    far->addChild(boxObject(4.0, 6.0, 20.0));
+    plain.lighting->addChild(far);
+    plain.picture->draw(4);
+    EXPECT_LT(plain.lightAt(-1.0, 0.0), 0.8 * open) << "the shadow of the far one";
+    EXPECT_NEAR(plain.lightAt(-22.0, 0.0), alone, 0.02 * open);
+}
+
 // Expected: after the second thousand frames what was held after the first, and nothing more.
 TEST(PlacedObject, TwoThousandFramesOfComingAndGoingLeaveNothing)
 {
     OTL_NEED_GL(context);
     Plain plain(nullptr, uniformSky(true));
     std::vector<osg::ref_ptr<osg::MatrixTransform>> there;
-    Held first, last;
+    Held first, last, most;
     for (int frame = 1; frame <= 2000; ++frame)
     {
         if (frame % 100 < 80 && frame % 8 == 1)
@@ -344,6 +366,8 @@ TEST(PlacedObject, TwoThousandFramesOfComingAndGoingLeaveNothing)
                 osg::Matrix::rotate(0.05 * frame, osg::Z_AXIS) *
                 osg::Matrix::translate(4.0 * double(i) - 16.0, 10.0 * std::sin(0.1 * frame), 0.0));
         plain.picture->draw();
+        if (frame == 1070)
+            most = heldBy(*plain.picture, *plain.lighting);
         if (frame % 100 != 99)
             continue;
         ASSERT_EQ(plain.lighting->getObjectCount(), 0u) << "in frame " << frame;
@@ -357,6 +381,7 @@ TEST(PlacedObject, TwoThousandFramesOfComingAndGoingLeaveNothing)
                 last.textures, last.buffers, static_cast<double>(last.graphics) / 1048576.0,
                 static_cast<double>(last.resident) / 1048576.0);
     }
+    EXPECT_GT(most.graphics, last.graphics) << "there were volumes";
     EXPECT_EQ(last.textures, first.textures);
     EXPECT_EQ(last.buffers, first.buffers);
     EXPECT_EQ(last.graphics, first.graphics);

@@ -222,6 +222,9 @@ private:
             osgDB::Registry::instance()->readNode(path, optionsAt(given, osgDB::getFilePath(path)));
         if (scene.validNode())
         {
+            if (options->geocentric)
+                return failed(path + ": geocentric = 1: needs a raster or a map, and this is a "
+                                     "scene, which has its place already");
             TerrainModel model;
             model.node = createLighting(options->light, "", model.warnings);
             if (const Status set = setTimeAndPlace(*model.node, options->light, std::nullopt); !set)

@@ -53,6 +53,8 @@ SkyLight LitTile::turned(const SkyLight& sky) const
     turn(own.sunAzimuth, own.sunElevation);
     for (KeyLight& key : own.keyLights) // as wide and as high as before, about another middle
     {
+        if (key.width > 180.0) // all around: it has no middle
+            continue;
         const double half = 0.5 * (key.highest - key.lowest);
         double middle = 0.5 * (key.highest + key.lowest);
         turn(key.azimuth, middle);

@@ -55,7 +55,7 @@ public:
     osg::Texture2D* edges() const { return _edges.texture.get(); }
 
     /// What placed objects leave of the light, in its unit; null: none, and nothing in it. At most
-    /// mostObjects; spacings: of the tile's posts [m].
+    /// mostObjects.
     void setObjects(osg::Texture2D* factor, const TileObjects& objects);
     osg::Texture2D* objects() const { return _objects.texture.get(); }
     static constexpr std::size_t mostObjects = 8; ///< as in terrain_shading.glsl

@@ -137,7 +137,11 @@ Result<TerrainHeights> readTerrainTile(osgTerrain::TerrainTile& tile, const osg:
     {
         TerrainHeights heights{data->tile(), data->windows()};
         if (geocentric)
-            heights.turn = rotationTo(place.at(0.51, 0.5) - place.at(0.49, 0.5), up);
+        {
+            const double u = data->middle().x(), v = data->middle().y();
+            heights.turn = rotationTo(place.at(u + 0.01, v) - place.at(u - 0.01, v),
+                                      place.at(u, v, 1000.0) - place.at(u, v));
+        }
         return heights;
     }
 

@@ -10,6 +10,7 @@
 #include <osg/Geometry>
 #include <osg/Image>
 #include <osg/Referenced>
+#include <osg/Vec2d>
 #include <osgTerrain/TerrainTile>
 
 #include <array>
@@ -29,17 +30,24 @@ class DemData : public osg::Referenced
 {
 public:
     explicit DemData(const DemTile& dem) : _tile(dem) {}
-    explicit DemData(std::shared_ptr<const TileWindows> around) : _windows(std::move(around)) {}
+    /// middle: of the posts that are of the terrain, on the tile, 0 … 1.
+    explicit DemData(std::shared_ptr<const TileWindows> around,
+                     const osg::Vec2d& middle = osg::Vec2d(0.5, 0.5))
+        : _windows(std::move(around)), _middle(middle)
+    {
+    }
 
     const DemTile& tile() const;
     /// Null where nothing surrounds the tile.
     const std::shared_ptr<const TileWindows>& windows() const { return _windows; }
+    const osg::Vec2d& middle() const { return _middle; }
 
 private:
     ~DemData() override = default;
 
     const DemTile _tile;
     const std::shared_ptr<const TileWindows> _windows;
+    const osg::Vec2d _middle{0.5, 0.5};
 };
 
 /// A drawn part of a tile, and where it stands in the tile.

@@ -2,8 +2,10 @@
 
 #include "io/AngularCrs.h"
 
+#include <osg/Math>
 #include <osg/MatrixTransform>
 
+#include <cmath>
 #include <optional>
 
 namespace osgTerrainLight
@@ -17,12 +19,14 @@ class SceneLocator : public osgTerrain::Locator
 {
 public:
     SceneLocator() = default;
-    explicit SceneLocator(const osg::Matrixd& toScene)
-        : _toScene(toScene), _toWorld(osg::Matrixd::inverse(toScene))
+    /// middle: longitude of the raster's [rad].
+    SceneLocator(const osg::Matrixd& toScene, double middle)
+        : _toScene(toScene), _toWorld(osg::Matrixd::inverse(toScene)), _middle(middle)
     {
     }
     SceneLocator(const SceneLocator& other, const osg::CopyOp& copyop)
-        : osgTerrain::Locator(other, copyop), _toScene(other._toScene), _toWorld(other._toWorld)
+        : osgTerrain::Locator(other, copyop), _toScene(other._toScene), _toWorld(other._toWorld),
+          _middle(other._middle)
     {
     }
     osg::Object* cloneType() const override { return new SceneLocator; }
@@ -40,13 +44,23 @@ public:
     }
     bool convertModelToLocal(const osg::Vec3d& model, osg::Vec3d& local) const override
     {
-        return Locator::convertModelToLocal(model * _toWorld, local);
+        if (!Locator::convertModelToLocal(model * _toWorld, local))
+            return false;
+        // Longitudes of places are -180 ... 180 degrees; those of rasters may be any. A narrow tile
+        // has the place where it is nearest to the tile, a wide one where it is nearest to the
+        // raster.
+        const double turn = 2.0 * osg::PI / getTransform()(0, 0);
+        const double nearest =
+            turn > 2.0 ? 0.5 : (_middle - getTransform()(3, 0)) / getTransform()(0, 0);
+        local.x() += turn * std::round((nearest - local.x()) / turn);
+        return true;
     }
 
 private:
     ~SceneLocator() override = default;
 
     osg::Matrixd _toScene, _toWorld;
+    double _middle = 0.0;
 };
 } // namespace
 
@@ -79,7 +93,8 @@ osg::ref_ptr<osgTerrain::Locator> Globe::locatorOf(const OverviewSource& raster,
                                                    const PostRect& posts) const
 {
     const DemTile corners = raster.cornersOf(level, posts);
-    const osg::ref_ptr<osgTerrain::Locator> locator = new SceneLocator(_toScene);
+    const osg::ref_ptr<osgTerrain::Locator> locator =
+        new SceneLocator(_toScene, 0.5 * (_west + _east));
     locator->setCoordinateSystemType(osgTerrain::Locator::GEOCENTRIC);
     locator->setEllipsoidModel(_ellipsoid);
     locator->setTransformAsExtents(corners.mapOriginX * _radiansPerUnit,

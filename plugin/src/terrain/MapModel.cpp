@@ -8,6 +8,7 @@
 #include "io/TileRaster.h"
 #include "terrain/PlacedModels.h"
 
+#include <osg/Math>
 #include <osg/MatrixTransform>
 #include <osgDB/FileUtils>
 
@@ -62,6 +63,12 @@ public:
         }
         for (const osg::ref_ptr<osg::Node>& model : models)
             _model.node->addChild(model);
+        if (_map.geocentric && !_model.globe)
+            _model.notes.push_back(_source + ": is drawn on a plane: a geocentric map needs an "
+                                             "elevation in longitude and latitude");
+        if (_model.globe && !models.empty())
+            _model.notes.push_back(_source + ": models on a geocentric map are drawn unlit, and "
+                                             "change no light");
         if (!_model.terrain.valid() && !_isMissing)
             return Error{ErrorCode::Invalid,
                          _source + ": no layer could be read, left out: " + _leftOut};
@@ -130,19 +137,12 @@ private:
         _tile = std::move(composite.tile);
     }
 
-    /// Whether the layer that gives the map its grid has longitude and latitude; else the map is
-    /// drawn on a plane, which is said.
+    /// Whether the layer that gives the map its grid has longitude and latitude.
     bool isInDegrees(const std::vector<DemLayer>& dems)
     {
         for (const DemLayer& dem : dems)
             if (const Result<DemInfo> info = describeDem(dem.path, dem.read))
-            {
-                if (angularCrs(info->frame.crs))
-                    return true;
-                _model.notes.push_back(_source + ": is drawn on a plane: a geocentric map needs an "
-                                                 "elevation in longitude and latitude");
-                return false;
-            }
+                return angularCrs(info->frame.crs).has_value();
         return false;
     }
 
@@ -287,15 +287,25 @@ private:
         }
     }
 
-    /// Its axes stay those of the middle of the terrain.
+    /// Its direction is that of the axes at its place. Its picture is level with the middle of the
+    /// terrain.
     Viewpoint onGlobe(const Viewpoint& flat, const LocalFrame& frame) const
     {
-        const osg::Vec3d place = _model.globe->at(frame.mapX + flat.x / frame.metresPerX,
-                                                  frame.mapY + flat.y / frame.metresPerY, flat.z);
+        const double mapX = frame.mapX + flat.x / frame.metresPerX;
+        const double mapY = frame.mapY + flat.y / frame.metresPerY;
+        const osg::Vec3d place = _model.globe->at(mapX, mapY, flat.z);
+        const double heading = osg::DegreesToRadians(flat.heading);
+        const double pitch = osg::DegreesToRadians(flat.pitch);
+        const osg::Vec3d ahead = osg::Matrixd::transform3x3(
+            osg::Vec3d(std::sin(heading) * std::cos(pitch), std::cos(heading) * std::cos(pitch),
+                       std::sin(pitch)),
+            _model.globe->axesAt(mapX, mapY));
         Viewpoint bent = flat;
         bent.x = place.x();
         bent.y = place.y();
         bent.z = place.z();
+        bent.heading = osg::RadiansToDegrees(std::atan2(ahead.x(), ahead.y()));
+        bent.pitch = osg::RadiansToDegrees(std::atan2(ahead.z(), std::hypot(ahead.x(), ahead.y())));
         return bent;
     }
 

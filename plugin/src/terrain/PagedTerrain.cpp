@@ -43,13 +43,16 @@ public:
     std::vector<TilePart> parts;
 };
 
-/// Around a tile whose plane touches the planet in its own middle.
-std::shared_ptr<const TileWindows> withOwnPlane(const TileWindows& windows)
+/// Around a tile whose plane touches the planet in the middle of `there`, its posts that are of the
+/// terrain.
+osg::ref_ptr<DemData> withOwnPlane(const TileWindows& windows, const PostRect& there)
 {
     auto own = std::make_shared<TileWindows>(windows);
-    own->middleColumn = own->place.column + 0.5 * (own->place.width - 1);
-    own->middleRow = own->place.row + 0.5 * (own->place.height - 1);
-    return own;
+    own->middleColumn = there.column + 0.5 * (there.width - 1);
+    own->middleRow = there.row + 0.5 * (there.height - 1);
+    const osg::Vec2d middle((own->middleColumn - own->place.column) / (own->place.width - 1),
+                            (own->middleRow - own->place.row) / (own->place.height - 1));
+    return new DemData(std::move(own), middle);
 }
 
 } // namespace
@@ -125,16 +128,25 @@ Result<osg::ref_ptr<osg::Node>> PagedTerrain::tile(const Place& place)
     const DemTile& dem = (*windows)->tile;
     if (dem.validCount() == 0)
         return osg::ref_ptr<osg::Node>();
+    // The part of the tile that the raster has.
+    const PostRect there = posts.clippedTo(_source->extent(place.level));
     osg::ref_ptr<osgTerrain::Locator> onGlobe;
     if (_globe)
         onGlobe = _globe->locatorOf(*_source, place.level, posts);
-    const osg::ref_ptr<osgTerrain::TerrainTile> terrain = drawnTile(
-        dem, std::ldexp(_source->middleEastSpacing(), place.level),
-        new DemData(_globe ? withOwnPlane(**windows) : *windows), coloursOf(place), onGlobe);
+    osg::ref_ptr<DemData> data = new DemData(*windows);
+    if (_globe)
+        data = withOwnPlane(**windows, there);
+    const osg::ref_ptr<osgTerrain::TerrainTile> terrain =
+        drawnTile(dem, std::ldexp(_source->middleEastSpacing(), place.level), data,
+                  coloursOf(place), onGlobe);
     terrain->setTileID({_source->root() - place.level, place.x, place.y});
     // Geometry is made here, not in the thread that draws.
     terrain->init(osgTerrain::TerrainTile::ALL_DIRTY, false);
-    addSkirt(*terrain, dem, skirtOf(dem));
+    const double widest = std::max({dem.eastSpacing(0), dem.eastSpacing(dem.height() - 1),
+                                    dem.eastSpacing(dem.height() / 2), dem.northSpacing});
+    // A coarser tile's edge is a chord beside the finer one's.
+    const double sagitta = _globe ? 2.0 * widest * widest / _globe->radius() : 0.0;
+    addSkirt(*terrain, dem, skirtOf(dem) + static_cast<float>(sagitta));
     BufferObjects buffers;
     terrain->accept(buffers);
     if (_globe) // else made in the update traversal
@@ -158,10 +170,8 @@ Result<osg::ref_ptr<osg::Node>> PagedTerrain::tile(const Place& place)
         return range;
     }();
     const osg::ref_ptr<osg::PagedLOD> node = new osg::PagedLOD;
-    // Of the part of the tile that the raster has.
     const double east = std::ldexp(_source->middleEastSpacing(), place.level);
     const double north = std::ldexp(_source->northSpacing(), place.level);
-    const PostRect there = posts.clippedTo(_source->extent(place.level));
     const double flat = 0.5 * std::hypot(east * (there.width - 1), north * (there.height - 1));
     const osg::Vec3d shift(
         east * (there.column - posts.column + 0.5 * (there.width - 1 - _source->cells())),
@@ -175,7 +185,9 @@ Result<osg::ref_ptr<osg::Node>> PagedTerrain::tile(const Place& place)
     node->setRadius(_globe ? bent.radius() : static_cast<osg::LOD::value_type>(radius));
     // OSG's pixels are those of the diameter.
     node->setRangeMode(osg::LOD::PIXEL_SIZE_ON_SCREEN);
-    const float pixels = static_cast<float>(pixelsPerCell * 2.0 * flat / std::max(east, north));
+    const float pixels =
+        _globe ? static_cast<float>(pixelsPerCell * 2.0 * double(bent.radius()) / widest)
+               : static_cast<float>(pixelsPerCell * 2.0 * flat / std::max(east, north));
     node->addChild(placed, 0.0f, pixels);
     node->setFileName(1, std::to_string(place.level) + "/" + std::to_string(place.x) + "/" +
                              std::to_string(place.y));
