@@ -1,9 +1,12 @@
 #include "fields/ObjectClusters.h"
+#include "fields/SampledForm.h"
 #include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
 #include "lighting/TileLight.h"
 #include "lighting/nodes/ObjectVolumeNode.h"
 #include "support/GlContext.h"
+#include "support/Precisions.h"
+#include "support/SampledBodies.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
@@ -145,6 +148,117 @@ TEST(ObjectVolume, IsMadeAnewAfterARelease)
     EXPECT_LT(greatestDifference(volume.run(context->state()), expected(clusters.front())), stored);
     const glm::ivec3 count = clusters.front().voxels / ObjectCluster::brick;
     EXPECT_EQ(volume.node->bricks(), std::size_t(count.x * count.y * count.z));
+}
+
+namespace
+{
+
+ObjectShape formShape(std::shared_ptr<const SampledForm> form, ObjectShape::Kind kind,
+                      const glm::dmat4& toScene)
+{
+    ObjectShape shape;
+    shape.kind = kind;
+    shape.toScene = glm::translate(toScene, form->centre);
+    shape.form = std::move(form);
+    return shape;
+}
+
+/// The same functions as C++, in double.
+double formDistance(const ObjectShape& shape, const glm::dvec3& place, double reach)
+{
+    using G = CheckedGlsl<double>;
+    const SampledForm& form = *shape.form;
+    Raster<double> values(form.values.width(), form.values.height());
+    std::copy(form.values.values().begin(), form.values.values().end(), values.values().begin());
+    G::SampledForm own;
+    own.row = 0;
+    own.side = form.side;
+    own.first = form.first;
+    own.spacing = form.spacing;
+    own.range = form.range;
+    const RigidShape frame = rigid(shape);
+    const glm::dvec3 p(frame.fromScene * glm::dvec4(place, 1.0));
+    return frame.scale * (shape.kind == ObjectShape::Kind::Star
+                              ? G().starDistance(values, own, p, reach / frame.scale)
+                              : G().columnsDistance(values, own, p, reach / frame.scale));
+}
+
+/// Greatest difference at every third voxel along each axis.
+double greatestFormDifference(const std::vector<float>& found, const ObjectCluster& cluster)
+{
+    const double reach = cluster.voxel * ObjectCluster::reach;
+    double greatest = 0.0;
+    for (int z = 0; z < cluster.voxels.z; z += 3)
+        for (int y = 0; y < cluster.voxels.y; y += 3)
+            for (int x = 0; x < cluster.voxels.x; x += 3)
+            {
+                double least = reach;
+                for (const ObjectShape& shape : cluster.shapes)
+                    least = std::min(
+                        least,
+                        formDistance(shape,
+                                     cluster.origin + cluster.voxel * (glm::dvec3(x, y, z) + 0.5),
+                                     reach));
+                const auto i = std::size_t(x + cluster.voxels.x * (y + cluster.voxels.y * z));
+                greatest =
+                    std::max(greatest, std::abs(double(found[i]) - std::max(least / reach, -1.0)));
+            }
+    return greatest;
+}
+
+} // namespace
+
+// A star, a height field and a rock of two, turned and scaled, against the same functions as C++;
+// then the star deforms, and only what it touches is computed anew.
+TEST(ObjectVolume, HoldsTheDistancesOfFormsThatDeform)
+{
+    OTL_NEED_GL(context);
+    using Kind = ObjectShape::Kind;
+    const auto at = [](const glm::dvec3& place, double turn, double scale)
+    {
+        return glm::scale(glm::rotate(glm::translate(glm::dmat4(1.0), place), turn, {0, 0, 1}),
+                          glm::dvec3(scale));
+    };
+    const auto blob = [&](double phase)
+    {
+        return formShape(sampleStar(bodies::Blob{0.3, phase, 1.5}.mesh(24)), Kind::Star,
+                         at({7, 8, 2}, 0.4, 1.2));
+    };
+    std::vector<ObjectShape> shapes = {
+        blob(0.0),
+        formShape(sampleHeights(bodies::Mound{2.0, 1.0, 3.0}.mesh(24), HeightSurfaces::Upper),
+                  Kind::Heights, at({18, 8, 0}, 1.0, 1.0)),
+        formShape(sampleHeights(bodies::Mound{1.5, 2.0, 2.0, true}.mesh(24), HeightSurfaces::Both),
+                  Kind::Heights, at({18, 20, 3}, -0.3, 1.5))};
+    std::vector<ObjectCluster> clusters = clusterObjects(shapes, 0.25, 8);
+    ASSERT_EQ(clusters.size(), 1u);
+    VolumeGraph volume(clusters.front());
+    // Rounding turns which columns are looked at, and next to where four of a map's texels fold
+    // which of them make a normal; neither changes a distance by more than rounding does.
+    constexpr double most = stored + 1.0e-4;
+    EXPECT_LT(greatestFormDifference(volume.run(context->state()), clusters.front()), most);
+
+    const glm::ivec3 count = clusters.front().voxels / ObjectCluster::brick;
+    const auto all = std::size_t(count.x * count.y * count.z);
+    EXPECT_EQ(volume.node->bricks(), all);
+    for (int frame = 1; frame < 4; ++frame)
+    {
+        shapes[0] = blob(0.4 * frame);
+        clusters = clusterObjects(shapes, 0.25, 8, clusters);
+        ASSERT_TRUE(volume.node->cluster().sameVolume(clusters.front()));
+        volume.node->set(clusters.front());
+        EXPECT_LT(greatestFormDifference(volume.run(context->state()), clusters.front()), most);
+        // A box of 5 m and 2 m around, in bricks of 2 m.
+        EXPECT_LE(volume.node->bricks(), 6u * 6u * 5u);
+        EXPECT_LT(volume.node->bricks(), all / 2);
+        EXPECT_FALSE(volume.graph.isDirty(context->state().getContextID())) << "still: nothing";
+    }
+    clusters = clusterObjects({shapes[1], shapes[2]}, 0.25, 8, clusters);
+    if (volume.node->cluster().sameVolume(clusters.front()))
+    {
+        volume.node->set(clusters.front());
+        EXPECT_LT(greatestFormDifference(volume.run(context->state()), clusters.front()), most);
+    }
 }
 
 namespace

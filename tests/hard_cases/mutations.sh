@@ -194,6 +194,15 @@ edges former-edges host/terrain_shading.glsl 's/formerPosts\.x < 1\.0/formerPost
 mutate faces-views passes/faces.comp 's/min\(views\[i\] .*MOST_MORE\)/1.0/' \
   'gpu_tests:*HardGround*/Mine'
 mutate faces-inside passes/faces.comp 's/INSIDE = 0\.2/INSIDE = 1.0/' 'gpu_tests:*HardGround*/Mine'
+form()
+{
+  mutate "$1" "$2" "$3" 'gpu_tests:ObjectVolume.HoldsTheDistancesOfFormsThatDeform'
+}
+form form-window lib/sampled_form.glsl 's/int window = min.*/int window = 0;/'
+form form-fold lib/sampled_form.glsl 's/turnsX \? side - 1 - acrossX : acrossX/acrossX/'
+form form-void lib/sampled_form.glsl 's/isOutside && isVoid/false/'
+form form-lower lib/sampled_form.glsl 's/under > above \? slopedDistance\(under/under > above ? slopedDistance(above/'
+form form-row passes/object_volume.comp 's/form\.row = shape\.voxels\.y/form.row = 0/'
 sweep()
 {
   mutate "$1" passes/bounce_sweep.comp "$2" \

@@ -8,6 +8,7 @@ namespace osgTerrainLight
 {
 
 struct DistanceGrid;
+struct SampledForm;
 
 /// A placed object, as distances to it are computed.
 struct ObjectShape
@@ -18,12 +19,16 @@ struct ObjectShape
         Ellipsoid, ///< size: semi-axes
         Cylinder,  ///< about z; size.x: radius, size.z: half height
         Capsule,   ///< about z; size.x: radius, size.z: half height without the caps
-        Mesh       ///< grid
+        Mesh,      ///< grid
+        Star,      ///< form, of radii
+        Heights    ///< form, of heights
     };
     Kind kind = Kind::Box;
     glm::dvec3 size{1.0}; ///< [own units], each > 0
     /// Of a mesh, in own units; never null there.
     std::shared_ptr<const DistanceGrid> grid;
+    /// Of a star and of heights, in own units about its centre; never null there.
+    std::shared_ptr<const SampledForm> form;
     /// From own axes and units to the scene's: metres, x east, y north, z up. Affine, without
     /// shear; scales may differ, but those of a cylinder's and capsule's x and y by no more than a
     /// mean would forgive.
@@ -32,7 +37,7 @@ struct ObjectShape
     bool operator==(const ObjectShape& other) const
     {
         return kind == other.kind && size == other.size && grid == other.grid &&
-               toScene == other.toScene;
+               form == other.form && toScene == other.toScene;
     }
     bool operator!=(const ObjectShape& other) const { return !(*this == other); }
 };
@@ -53,12 +58,12 @@ struct ObjectBounds
 ObjectBounds boundsOf(const ObjectShape& shape);
 
 /// The shape with its scales in its sizes: a box, ellipsoid, cylinder or capsule of metres, whose
-/// toScene turns and moves. A mesh keeps own units; scale: the least of its scales.
+/// toScene turns and moves. What is sampled keeps own units; scale: the least of its scales.
 struct RigidShape
 {
     glm::dvec3 size;      ///< [m]
-    glm::dmat4 fromScene; ///< to metres about the shape; of a mesh to its own units
-    double scale = 1.0;   ///< of a mesh: metres per own unit, at least
+    glm::dmat4 fromScene; ///< to metres about the shape; of what is sampled to its own units
+    double scale = 1.0;   ///< of what is sampled: metres per own unit, at least
 };
 RigidShape rigid(const ObjectShape& shape);
 

@@ -1,7 +1,9 @@
 #include "lighting/nodes/ObjectVolumeNode.h"
 
 #include "fields/DistanceGrid.h"
+#include "fields/SampledForm.h"
 #include "gpu/GlConstants.h"
+#include "gpu/Textures.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -81,6 +83,35 @@ void ObjectVolumeNode::mark(Bricks& bricks, const ObjectShape& shape) const
                 bricks[static_cast<std::size_t>(x + count.x * (y + count.y * z))] = true;
 }
 
+/// Puts the samples of all forms into the texture that the shader reads. A form that deforms has
+/// others in every frame; the texture stays while their number does.
+void ObjectVolumeNode::setForms()
+{
+    _formRows.clear();
+    int rows = 0, width = 1;
+    for (const ObjectShape& shape : _cluster.shapes)
+        if (shape.form && _formRows.insert({shape.form.get(), rows}).second)
+        {
+            rows += shape.form->values.height();
+            width = std::max(width, shape.form->values.width());
+        }
+    rows = std::max(rows, 1);
+    if (!_forms || _forms->s() != width || _forms->t() != rows)
+    {
+        const osg::ref_ptr<osg::Texture2D> texture =
+            createFloatTexture(Raster<float>(width, rows, 0.0f));
+        _forms = texture->getImage();
+        _pass->reads("forms", texture);
+    }
+    if (_formRows.empty())
+        return;
+    for (const auto& [form, row] : _formRows)
+        for (int y = 0; y < form->values.height(); ++y)
+            std::copy_n(&form->values.at(0, y), form->values.width(),
+                        reinterpret_cast<float*>(_forms->data(0u, static_cast<unsigned>(row + y))));
+    _forms->dirty();
+}
+
 /// Gives the pass what the shader reads of the shapes.
 void ObjectVolumeNode::setShapes()
 {
@@ -89,16 +120,26 @@ void ObjectVolumeNode::setShapes()
     osg::ref_ptr<osg::Vec4Array> values = new osg::Vec4Array;
     osg::ref_ptr<osg::FloatArray> distances = new osg::FloatArray;
     std::map<const DistanceGrid*, int> places;
+    setForms();
     for (const ObjectShape& shape : _cluster.shapes)
     {
         const RigidShape own = rigid(shape);
         const glm::dmat4 toOwn = own.fromScene * glm::translate(glm::dmat4(1.0), _cluster.origin);
         for (int row = 0; row < 3; ++row)
             values->push_back(vector({toOwn[0][row], toOwn[1][row], toOwn[2][row]}, toOwn[3][row]));
-        values->push_back(vector(own.size, static_cast<double>(shape.kind)));
+        const glm::dvec3 size = shape.form ? glm::dvec3(shape.form->range, 0.0) : own.size;
+        values->push_back(vector(size, static_cast<double>(shape.kind)));
         const ObjectBounds bounds = boundsOf(shape);
         values->push_back(vector(bounds.low - _cluster.origin, own.scale));
         values->push_back(vector(bounds.high - _cluster.origin, 0.0));
+        if (shape.form)
+        {
+            const SampledForm& form = *shape.form;
+            values->push_back(vector({form.first, form.spacing.x}, form.spacing.y));
+            values->push_back(
+                osg::Vec4f(asFloat(form.side), asFloat(_formRows.at(&form)), 0.0f, 0.0f));
+            continue;
+        }
         if (!shape.grid)
         {
             values->push_back(osg::Vec4f());
