@@ -291,8 +291,9 @@ TEST(SavedScene, KeepsPlacedObjects)
         SCOPED_TRACE(extension);
         osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
         using Field = PlacedObject::Field;
-        const Field fields[] = {Field::Automatic, Field::Box,  Field::Ellipsoid,
-                                Field::Cylinder,  Field::Mesh, Field::None};
+        const Field fields[] = {Field::Automatic, Field::Box,         Field::Ellipsoid,
+                                Field::Cylinder,  Field::Mesh,        Field::None,
+                                Field::Star,      Field::HeightField, Field::TwoHeightFields};
         for (const Field field : fields)
         {
             osg::ref_ptr<PlacedObject> object = new PlacedObject;

@@ -32,12 +32,13 @@ public:
     PlacedObject(const PlacedObject& other, const osg::CopyOp& copyop = osg::CopyOp::SHALLOW_COPY);
     META_Node(osgTerrainLight, PlacedObject);
 
-    /// What the distances are to. All but Mesh are about the bounding box of what is below, whose
-    /// axes are this node's.
+    /// What the distances are to. Box, Ellipsoid and Cylinder are about the bounding box of what is
+    /// below, whose axes are this node's.
     enum class Field
     {
         /// Box, ellipsoid or cylinder where a single osg::Box, osg::Sphere or osg::Cylinder is
-        /// drawn below, whose place is not turned; else Mesh.
+        /// drawn below, whose place is not turned, and HeightField where a single osg::HeightField
+        /// is; else Mesh.
         Automatic,
         Box,
         Ellipsoid,
@@ -47,14 +48,25 @@ public:
         /// not be closed. It is a box until that is done, and where the library was built without
         /// Embree.
         Mesh,
-        None ///< It changes no light; its surfaces are lit by the probe alone.
+        None, ///< It changes no light; its surfaces are lit by the probe alone.
+              // The following are for forms that change in every frame: vertices, or parts that
+              // move. The triangles below are looked at in each update, and sampled where they have
+              // changed. What only a shader deforms is not seen.
+              /// A body whose surface is met once in each direction from the middle of its box: a
+              /// blob.
+        Star,
+        /// What is below as seen from above (z of this node), solid down to the bottom of its box.
+        HeightField,
+        /// What is below as seen from above and from below, solid in between: a floating rock, a
+        /// crown.
+        TwoHeightFields
     };
     /// The default is Automatic.
     void setField(Field field);
     Field getField() const;
 
     /// Says that what is below has changed its form, or its materials. Without it only a change of
-    /// the bounding sphere is seen.
+    /// the bounding sphere is seen; of Star, HeightField and TwoHeightFields every change is.
     void dirtyField();
 
     /// The texture unit of the volume of distances, and the sampler3D that reads it. The maps of

@@ -325,6 +325,9 @@ void addObjectProperties(osgDB::ObjectWrapper* wrapper)
     field->add("CYLINDER", Field::Cylinder);
     field->add("MESH", Field::Mesh);
     field->add("NONE", Field::None);
+    field->add("STAR", Field::Star);
+    field->add("HEIGHT_FIELD", Field::HeightField);
+    field->add("TWO_HEIGHT_FIELDS", Field::TwoHeightFields);
     wrapper->addSerializer(field, osgDB::BaseSerializer::RW_ENUM);
 }
 } // namespace

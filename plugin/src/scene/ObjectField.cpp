@@ -1,5 +1,7 @@
 #include "scene/ObjectField.h"
 
+#include "fields/SampledForm.h"
+
 #include <osg/ComputeBoundsVisitor>
 #include <osg/Notify>
 #include <osg/ShapeDrawable>
@@ -119,6 +121,14 @@ std::optional<ObjectShape> simpleShape(const PartCollector& parts)
     return std::nullopt;
 }
 
+/// A single drawable that is one of OSG's.
+bool isHeightField(const PartCollector& parts)
+{
+    const auto* drawn = dynamic_cast<const osg::ShapeDrawable*>(parts.last);
+    return parts.count == 1 && drawn &&
+           dynamic_cast<const osg::HeightField*>(drawn->getShape()) != nullptr;
+}
+
 } // namespace
 
 glm::dmat4 toGlm(const osg::Matrixd& matrix)
@@ -138,6 +148,12 @@ bool isOwnColour(const osg::Material& material)
 
 std::optional<ObjectShape> ObjectField::shape(osg::Group& object)
 {
+    using Field = PlacedObject::Field;
+    if (field == Field::Star || field == Field::HeightField || field == Field::TwoHeightFields)
+    {
+        followForm(object);
+        return _shape;
+    }
     const osg::BoundingSphere& bound = object.getBound();
     if (_isDirty || bound.center() != _bound.center() || bound.radius() != _bound.radius())
     {
@@ -170,8 +186,16 @@ void ObjectField::make(osg::Group& object)
     if (parts.count == 0)
         return;
     if (field == Field::Automatic)
+    {
         if ((_shape = simpleShape(parts)))
             return;
+        if (isHeightField(parts))
+        {
+            _sampled.clear();
+            sampleForm(object, Field::HeightField);
+            return;
+        }
+    }
 
     osg::ComputeBoundsVisitor bounds;
     for (unsigned i = 0; i < object.getNumChildren(); ++i)
@@ -188,6 +212,47 @@ void ObjectField::make(osg::Group& object)
                        ? glm::dvec3(0.5 * (half.x + half.y), 0.5 * (half.x + half.y), half.z)
                        : half);
     _isMesh = field == Field::Mesh || field == Field::Automatic;
+}
+
+/// Of a form that may change in every frame.
+void ObjectField::followForm(osg::Group& object)
+{
+    if (_isDirty)
+        _sampled.clear();
+    _isDirty = _isMesh = false;
+    _sampling = nullptr;
+    sampleForm(object, field);
+}
+
+void ObjectField::sampleForm(osg::Group& object, PlacedObject::Field as)
+{
+    PartCollector parts(true);
+    // About the same place as long as it is within the object, so that triangles compare.
+    const osg::BoundingSphere& bound = object.getBound();
+    if (_sampled.empty() ||
+        (osg::Vec3d(bound.center()) - _middle).length() > double(bound.radius()))
+        _middle = bound.center();
+    parts.middle = _middle;
+    object.accept(parts);
+    _hasMaterials = parts.hasMaterials;
+    _ownMaterials = parts.ownMaterials;
+    if (!_sampled.empty() && parts.mesh.vertices == _sampled)
+        return;
+    using Field = PlacedObject::Field;
+    const std::shared_ptr<const SampledForm> form =
+        as == Field::Star
+            ? sampleStar(parts.mesh)
+            : sampleHeights(parts.mesh, as == Field::HeightField ? HeightSurfaces::Upper
+                                                                 : HeightSurfaces::Both);
+    _sampled = std::move(parts.mesh.vertices);
+    _shape.reset();
+    if (!form)
+        return;
+    ObjectShape shape;
+    shape.kind = as == Field::Star ? ObjectShape::Kind::Star : ObjectShape::Kind::Heights;
+    shape.form = form;
+    shape.toScene = glm::translate(glm::dmat4(1.0), vector(_middle) + form->centre);
+    _shape = shape;
 }
 
 void ObjectField::startSampling(osg::Group& object)

@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 namespace osgTerrainLight
 {
@@ -38,6 +39,8 @@ public:
 
 private:
     void make(osg::Group& object);
+    void followForm(osg::Group& object);
+    void sampleForm(osg::Group& object, PlacedObject::Field as);
     void startSampling(osg::Group& object);
     void takeSampled();
 
@@ -52,6 +55,7 @@ private:
     bool _hasMaterials = false, _ownMaterials = false;
     osg::BoundingSphere _bound; ///< of the object, when the shape was made
     std::optional<ObjectShape> _shape;
+    std::vector<glm::vec3> _sampled; ///< corners of the triangles that the form was made of
     std::shared_ptr<const MeshSampling> _sampling; ///< null: it is no mesh, or has been taken
 };
 
