@@ -350,8 +350,12 @@ double blurred(const Raster<double>& heights, const SampledForm& form, const glm
 {
     double weights = 0.0, sum = 0.0, squares = 0.0;
     const glm::dvec2 over = glm::clamp(glm::dvec2(p), glm::dvec2(form.low), glm::dvec2(form.high));
-    for (int y = 0; y < form.side; ++y)
-        for (int x = 0; x < form.side; ++x)
+    // Within five widths: e^-12.5 is left of a weight there.
+    const glm::dvec2 middle = (over - form.first) / form.spacing, wide = 5.0 * width / form.spacing;
+    const glm::ivec2 from = glm::max(glm::ivec2(middle - wide), glm::ivec2(0));
+    const glm::ivec2 to = glm::min(glm::ivec2(middle + wide) + 1, glm::ivec2(form.side - 1));
+    for (int y = from.y; y <= to.y; ++y)
+        for (int x = from.x; x <= to.x; ++x)
         {
             const glm::dvec2 away = form.first + form.spacing * glm::dvec2(x, y) - over;
             const double weight = std::exp(-glm::dot(away, away) / (2.0 * width * width));

@@ -193,6 +193,7 @@ void ObjectField::make(osg::Group& object)
         {
             _sampled.clear();
             sampleForm(object, Field::HeightField);
+            _sampled = {}; // it is not followed
             return;
         }
     }
