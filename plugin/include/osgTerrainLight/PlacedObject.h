@@ -48,12 +48,12 @@ public:
         /// not be closed. It is a box until that is done, and where the library was built without
         /// Embree.
         Mesh,
-        None, ///< It changes no light; its surfaces are lit by the probe alone.
-              // The following are for forms that change in every frame: vertices, or parts that
-              // move. The triangles below are looked at in each update, and sampled where they have
-              // changed. What only a shader deforms is not seen.
-              /// A body whose surface is met once in each direction from the middle of its box: a
-              /// blob.
+        /// It changes no light; its surfaces are lit by the probe alone.
+        None,
+        /// A body whose surface is met once in each direction from some place within: a blob. This
+        /// and the following are for forms that change in every frame, by vertices or by parts that
+        /// move: the triangles below are looked at in each update, and sampled where they have
+        /// changed. What only a shader deforms is not seen.
         Star,
         /// What is below as seen from above (z of this node), solid down to the bottom of its box.
         HeightField,
