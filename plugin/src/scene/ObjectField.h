@@ -24,6 +24,7 @@ class ObjectField
 {
 public:
     PlacedObject::Field field = PlacedObject::Field::Automatic;
+    std::optional<osg::Vec3f> albedo; ///< nothing: of what is drawn
 
     void dirty() { _isDirty = true; }
     bool isReady() const { return !_isDirty && !_isMesh && !_sampling; }
@@ -50,6 +51,7 @@ private:
     int _still = 0;       ///< updates
     osg::Vec3d _middle;   ///< that the mesh is sampled about: a frame may be far from its origin
     bool _hasMaterials = false, _ownMaterials = false;
+    glm::dvec3 _drawnAlbedo{1.0};
     osg::BoundingSphere _bound; ///< of the object, when the shape was made
     std::optional<ObjectShape> _shape;
     std::shared_ptr<const MeshSampling> _sampling; ///< null: it is no mesh, or has been taken
