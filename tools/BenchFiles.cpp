@@ -69,23 +69,6 @@ Status checkOutputs(const Options& options)
     return options.plot.empty() ? Status(Nothing{}) : checkPlotter();
 }
 
-Status writeFiles(const Options& options, const Report& report)
-{
-    std::vector<std::pair<std::string, std::string>> files;
-    if (!options.csv.empty())
-        files.emplace_back(options.csv, csvOf(report));
-    if (!options.json.empty())
-        files.emplace_back(options.json, jsonOf(report));
-    if (!options.plot.empty())
-    {
-        Result<std::string> svg = svgOf(report);
-        if (!svg)
-            return Error{svg.error().code, options.plot + ": " + svg.error().message};
-        files.emplace_back(options.plot, *svg);
-    }
-    return writeFiles(files);
-}
-
 Status writeFiles(const std::vector<std::pair<std::string, std::string>>& files)
 {
     for (const auto& [path, content] : files)

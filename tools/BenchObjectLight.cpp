@@ -405,8 +405,10 @@ float cubeLight(const CubeVolume& cubes, const ObjectPlace& place)
     typename G::AmbientCubes slabs;
     slabs.size = cubes.pitch * glm::dvec3(cubes.voxels);
     slabs.slabVoxels = float(cubes.voxels.z);
-    return G().ambientCubeLight(cubes.lobes, slabs, glm::vec3(cubes.readAt(place) - cubes.origin),
-                                glm::vec3(place.normal));
+    return G()
+        .ambientCubeLight(cubes.lobes, slabs, glm::vec3(cubes.readAt(place) - cubes.origin),
+                          glm::vec3(place.normal))
+        .x;
 }
 
 template <class G>

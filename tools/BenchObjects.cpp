@@ -42,19 +42,7 @@ Status runObjects(const Options& options, const std::string& date)
     }
     fillRows(report, results);
     std::cout << (options.quiet ? "" : "\n") << tableOf(report) << std::flush;
-    std::vector<std::pair<std::string, std::string>> files;
-    if (!options.csv.empty())
-        files.emplace_back(options.csv, csvOf(report));
-    if (!options.json.empty())
-        files.emplace_back(options.json, jsonOf(report));
-    if (!options.plot.empty())
-    {
-        Result<std::string> svg = svgOf(report);
-        if (!svg)
-            return Error{svg.error().code, options.plot + ": " + svg.error().message};
-        files.emplace_back(options.plot, std::move(*svg));
-    }
-    return writeFiles(files);
+    return writeFiles(options, report);
 }
 
 } // namespace osgTerrainLight::tool::bench

@@ -20,6 +20,16 @@ uniform vec4 osgTerrainLight_objectField[3];
 uniform vec4 osgTerrainLight_objectCones[34];
 uniform uint osgTerrainLight_objectAround[32];
 
+// RGBA16F: radiance that the objects send, in the six slabs of lib/ambient_cube.glsl; where the
+// scene has bounces.
+uniform bool osgTerrainLight_hasObjectRadiosity;
+uniform sampler3D osgTerrainLight_objectRadiosity;
+// RGBA16F, over the volume's footprint: light of the ground with the objects over that without
+// them, premultiplied by a: 0 below objects.
+uniform sampler2D osgTerrainLight_objectGround;
+// The ground's plane in the volume: height = x + y * east + z * north [m].
+uniform vec3 osgTerrainLight_objectPlane;
+
 // The surface of a form that is drawn may lie within the form that distances are to, as that of a
 // house within its box: then the place outside that the normal leads to.
 vec3 terrainOutside(DistanceField field, vec3 place, vec3 normal)
@@ -41,9 +51,32 @@ vec3 terrainOutside(DistanceField field, vec3 place, vec3 normal)
     return outside;
 }
 
-// Part of the probe's light that the objects leave: by cones, each with the light that the probe
-// has from its direction, of sky and ground alike.
-vec3 terrainAmongObjects(DistanceField field, vec3 place, vec3 normal)
+// What the objects leave of the light of the ground that is seen in a cone, and send to it: the
+// mean of four places in it, so that its spots do not show on walls.
+vec3 terrainGroundShare(DistanceField field, vec3 place, vec4 cone)
+{
+    vec3 plane = osgTerrainLight_objectPlane;
+    float above = max(place.z - plane.x - dot(plane.yz, place.xy), 0.0);
+    float falls = dot(plane.yz, cone.xy) - cone.z; // per metre along the axis
+    if (falls <= 0.0)
+        return vec3(1.0);
+    vec2 middle = place.xy + cone.xy * (above / falls);
+    float spread = 0.7 * cone.w * above / falls;
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < 4; ++i)
+    {
+        vec2 there = middle + spread * vec2(i % 2 * 2 - 1, i / 2 * 2 - 1);
+        there /= field.size.xy;
+        sum += there == clamp(there, 0.0, 1.0)
+                   ? textureLod(osgTerrainLight_objectGround, there, 0.0)
+                   : vec4(1.0);
+    }
+    return sum.a > 0.0 ? sum.rgb / sum.a : vec3(1.0);
+}
+
+// Irradiance / pi. What the objects leave of the probe's light, open: by cones, each with the light
+// that the probe has from its direction, of sky and ground alike; and what they send.
+vec3 terrainAmongObjects(DistanceField field, vec3 place, vec3 normal, vec3 open)
 {
     int count = int(osgTerrainLight_objectCones[33].x);
     vec4 axes[32];
@@ -59,16 +92,32 @@ vec3 terrainAmongObjects(DistanceField field, vec3 place, vec3 normal)
     ConesOpen seen = conesAmongObjects(osgTerrainLight_objectVolume, field, place, normal, axes,
                                        near, weights, count, osgTerrainLight_objectCones[33].y,
                                        osgTerrainLight_objectCones[32]);
+    AmbientCubes slabs;
+    slabs.size = field.size;
+    slabs.slabVoxels = field.size.z / (4.0 * field.voxel);
     vec3 all = vec3(0.0);
     vec3 left = vec3(0.0);
+    vec3 sent = vec3(0.0);
     for (int i = 0; i < count; ++i)
     {
         // Harmonics ring below 0.
         vec3 radiance = max(texture(osgTerrainLight_probeGlossy, axes[i].xyz).rgb, 0.0);
         all += radiance;
-        left += radiance * seen.light[i];
+        left += seen.light[i] *
+                (osgTerrainLight_hasObjectRadiosity
+                     ? radiance * terrainGroundShare(field, place, axes[i])
+                     : radiance);
+        if (osgTerrainLight_hasObjectRadiosity && seen.light[i] < 0.999)
+        {
+            vec3 near = nearestOnObject(osgTerrainLight_objectVolume, field,
+                                        place + axes[i].xyz * seen.along[i]);
+            sent += (1.0 - seen.light[i]) *
+                    ambientCubeRadiance(osgTerrainLight_objectRadiosity, slabs, near,
+                                        -axes[i].xyz);
+        }
     }
-    return mix(vec3(1.0), left / max(all, vec3(1.0e-20)), greaterThan(all, vec3(0.0)));
+    return open * mix(vec3(1.0), left / max(all, vec3(1.0e-20)), greaterThan(all, vec3(0.0))) +
+           sent / float(count);
 }
 
 // place, normal: in eye coordinates, gl_ModelViewMatrix * gl_Vertex and gl_NormalMatrix *
@@ -92,7 +141,7 @@ vec4 terrainObjectLight(vec3 place, vec3 normal)
         field.high = osgTerrainLight_objectField[2].xyz;
         vec3 from = terrainOutside(
             field, (osgTerrainLight_objectFromEye * vec4(place, 1.0)).xyz, facing);
-        light.rgb *= terrainAmongObjects(field, from, facing);
+        light.rgb = terrainAmongObjects(field, from, facing, light.rgb);
         if (cosine > 0.0 && light.a > 0.0)
             light.a *= discAmongObjects(osgTerrainLight_objectVolume, field, from, facing,
                                         osgTerrainLight_sunDirection, osgTerrainLight_sunSine);

@@ -24,6 +24,27 @@ vec2 objectDistance(DistanceVolume volume, DistanceField field, vec3 place)
                 stored < real(0.99) ? real(1.0) : real(0.0));
 }
 
+// The way from the nearest object, unit.
+vec3 objectNormal(DistanceVolume volume, DistanceField field, vec3 place)
+{
+    vec3 slope = vec3(real(0.0));
+    for (int axis = 0; axis < 3; ++axis)
+    {
+        vec3 step = vec3(real(0.0));
+        step[axis] = field.voxel;
+        slope[axis] = objectDistance(volume, field, place + step).x -
+                      objectDistance(volume, field, place - step).x;
+    }
+    real steepest = sqrt(dot(slope, slope));
+    return steepest > real(0.0) ? slope / steepest : vec3(real(0.0), real(0.0), real(1.0));
+}
+
+// The place on an object that is nearest to one within reach of it.
+vec3 nearestOnObject(DistanceVolume volume, DistanceField field, vec3 place)
+{
+    return place - objectNormal(volume, field, place) * objectDistance(volume, field, place).x;
+}
+
 // How far along a ray [m] the box of what is in the volume, grown by `room`, ends: 0 where the ray
 // misses it. direction: unit.
 Length objectsEnd(DistanceField field, vec3 place, vec3 direction, Length room)
@@ -48,26 +69,33 @@ real shareOfDisc(real above)
     return real(1.0) - (acos(u) - u * sqrt(max(real(1.0) - u * u, real(0.0)))) / PI;
 }
 
-// How near to its axis anything comes in a cone, over the cone's radius there: 1 where nothing is
-// in it, 0 where something touches the axis, -1 where the axis lies deep within. sine: of the
-// half-angle; start [m]: distance that is free; stride: the least step, over the cone's radius.
-real coneOpenness(DistanceVolume volume, DistanceField field, vec3 place, vec3 axis, real sine,
+// x: how near to its axis anything comes in a cone, over the cone's radius there: 1 where nothing
+// is in it, 0 where something touches the axis, -1 where the axis lies deep within. y [m]: how far
+// along the axis that is, or where the axis first meets something. sine: of the half-angle; start
+// [m]: distance that is free; stride: the least step, over the cone's radius.
+vec2 coneOpenness(DistanceVolume volume, DistanceField field, vec3 place, vec3 axis, real sine,
                   Length start, real stride)
 {
     GLSL_ASSERT(sine > real(0.0) && start >= real(0.0));
     real open = real(1.0);
+    Length nearest = real(0.0);
     Length end = objectsEnd(field, place, axis, real(2.0));
     Length along = max(field.voxel, start / (real(1.0) + sine));
     for (int step = 0; step < 128 && along < end && open > real(-1.0); ++step)
     {
         vec2 found = objectDistance(volume, field, place + axis * along);
         Length distance = found.x - real(0.13) * field.voxel;
-        if (found.y > real(0.5))
-            open = min(open, distance / (along * sine));
+        real here = distance / (along * sine);
+        if (found.y > real(0.5) && here < open)
+        {
+            // Within it is behind where it was met.
+            nearest = open > real(0.0) ? along + min(distance, real(0.0)) : nearest;
+            open = here;
+        }
         along += max(real(1.7) * abs(distance),
                      max(stride * along * sine, real(0.5) * field.voxel));
     }
-    return max(open, real(-1.0));
+    return vec2(max(open, real(-1.0)), nearest);
 }
 
 // Light through a cone, 0 ... 1. around: mean of the openness, not below 0, of this cone and its
@@ -102,8 +130,9 @@ vec3 aboutNormal(vec3 direction, vec3 normal)
 // What cones about a normal see. Uses as many of the arrays' entries as there are cones.
 struct ConesOpen
 {
-    real open[32];  // coneOpenness()
-    real light[32]; // through each, 0 ... 1
+    real open[32];   // coneOpenness()
+    real light[32];  // through each, 0 ... 1
+    Length along[32]; // to what hides it; 0 where nothing does
 };
 
 // axes: in the field's frame, w the sine of the half-angle; around: bit per cone whose openness
@@ -117,11 +146,14 @@ ConesOpen conesAmongObjects(DistanceVolume volume, DistanceField field, vec3 pla
                        real(0.0));
     ConesOpen cones;
     for (int i = 0; i < count; ++i)
-        cones.open[i] = weights[i] < real(1.0e-4)
-                            ? real(1.0)
-                            : coneOpenness(volume, field, place,
-                                           vec3(axes[i].x, axes[i].y, axes[i].z), axes[i].w, start,
-                                           stride);
+    {
+        vec2 found = vec2(real(1.0), real(0.0));
+        if (weights[i] >= real(1.0e-4))
+            found = coneOpenness(volume, field, place, vec3(axes[i].x, axes[i].y, axes[i].z),
+                                 axes[i].w, start, stride);
+        cones.open[i] = found.x;
+        cones.along[i] = found.y;
+    }
     for (int i = 0; i < count; ++i)
     {
         real sum = real(0.0);

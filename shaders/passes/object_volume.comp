@@ -4,6 +4,8 @@ layout(local_size_x = 8, local_size_y = 8, local_size_z = 2) in;
 
 // Stored: distance over `reach`, -1 ... 1; 1 where nothing is nearer.
 layout(r8_snorm, binding = 0) writeonly uniform image3D volume;
+// A quarter as many texels along each axis: albedo of the nearest object.
+layout(rgba16f, binding = 1) writeonly uniform image3D albedo;
 
 struct Shape
 {
@@ -12,7 +14,7 @@ struct Shape
                    // 4 mesh, 5 star, 6 heights
     vec4 low;      // of the bounds [m] in the volume's frame; w: metres per own unit of what is
                    // sampled
-    vec4 high;
+    vec4 high;     // w: bits of the albedo, 8 of each of rgb
     vec4 grid;     // of a mesh: centre of the first voxel, and voxels' spacing [own units]; of
                    // heights: the first post and the posts' spacing along x and y
     ivec4 voxels;  // of a mesh: along x, y, z, and where its first one stands in `distances`; of
@@ -101,6 +103,7 @@ void main()
     vec3 high = vec3(first + 8) * voxel + reach;
     ivec3 mine = first + ivec3(gl_LocalInvocationID.xy, gl_LocalInvocationID.z * 4u);
     vec4 least = vec4(reach); // of four voxels
+    int owner = 0;            // of the third
     for (int batch = 0; batch < shapeCount; batch += BATCH)
     {
         barrier();
@@ -117,9 +120,17 @@ void main()
         {
             vec3 place = (vec3(mine + ivec3(0, 0, z)) + 0.5) * voxel;
             for (int i = 0; i < nearCount; ++i)
-                least[z] = min(least[z], shapeDistance(shapes[nearby[i]], place));
+            {
+                Length here = shapeDistance(shapes[nearby[i]], place);
+                if (z == 2 && here < least[z])
+                    owner = nearby[i];
+                least[z] = min(least[z], here);
+            }
         }
     }
     for (int z = 0; z < 4; ++z)
         imageStore(volume, mine + ivec3(0, 0, z), vec4(max(least[z] / reach, -1.0)));
+    if (mine.x % 4 == 2 && mine.y % 4 == 2)
+        imageStore(albedo, mine / 4, vec4(unpackUnorm4x8(floatBitsToUint(shapes[owner].high.w)).rgb,
+                                          1.0));
 }

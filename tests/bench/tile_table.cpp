@@ -85,11 +85,18 @@ void printSkyView(osg::State& state, const DemTile& tile)
 
 void printLight(osg::State& state, const DemTile& tile, int bounces)
 {
-    const LightDifferences found = lightDifferences(state, tile, inTheAfternoon(16, bounces), 4);
+    TileCase lit = inTheAfternoon(16, bounces);
+    const LightDifferences found = lightDifferences(state, tile, lit, 4);
     std::printf("  16 tiles, %d bounces: shading: mean %.5f p99 %.5f worst %.3f", bounces,
                 found.shading.mean, found.shading.p99, found.shading.worst);
     if (bounces > 0)
-        std::printf("; bounced light: %.2f %%", found.bounced);
+    {
+        lit.farLight = false;
+        const LightDifferences near = lightDifferences(state, tile, lit, 4);
+        std::printf("; bounced light: %.2f %%, without that of coarser levels %.2f %%, shading "
+                    "p99 %.5f",
+                    found.bounced, near.bounced, near.shading.p99);
+    }
     std::printf("\n");
     std::fflush(stdout);
 }

@@ -4,6 +4,7 @@
 #include "gpu/Textures.h"
 #include "lighting/TileLight.h"
 #include "lighting/nodes/ObjectVolumeNode.h"
+#include "reference/PathTracer.h"
 #include "support/GlContext.h"
 #include "support/Precisions.h"
 #include "support/SampledBodies.h"
@@ -283,7 +284,7 @@ struct LitPlane
     }
 };
 
-/// Factor of one volume, texel by texel.
+/// Factor of one volume, texel by texel, in half a metre from (20, 20) on.
 Raster<osg::Vec4f> factorOf(osg::State& state, LitPlane& plane, const ObjectCluster& cluster,
                             TileObject& object)
 {
@@ -291,6 +292,7 @@ Raster<osg::Vec4f> factorOf(osg::State& state, LitPlane& plane, const ObjectClus
     volume.run(state);
     object.spacing = glm::dvec2(plane.ground.nominalEastSpacing(), plane.ground.northSpacing);
     object.volume = volume.node->volume();
+    object.albedo = volume.node->albedo();
     object.corner = cluster.origin;
     object.voxels = cluster.voxels;
     object.voxel = cluster.voxel;
@@ -468,4 +470,140 @@ TEST(ObjectFactor, InAValleyNothingIsDarkenedTwice)
                 100.0 * rms, 100.0 * std::sqrt(ofProduct / count), int(count));
     EXPECT_LE(rms, 0.03); // what is asked
     EXPECT_LT(rms, std::sqrt(ofProduct / count));
+}
+
+namespace
+{
+
+/// Both sides of each of the six, in triangles of the path tracer.
+std::vector<reference::Triangle> trianglesOf(const ObjectShape& shape)
+{
+    std::vector<reference::Triangle> triangles;
+    const auto corner = [&](int axis, double side, double u, double v)
+    {
+        glm::dvec3 own;
+        own[axis] = side * shape.size[axis];
+        own[(axis + 1) % 3] = u * shape.size[(axis + 1) % 3];
+        own[(axis + 2) % 3] = v * shape.size[(axis + 2) % 3];
+        const glm::dvec3 place(shape.toScene * glm::dvec4(own, 1.0));
+        return reference::Vector3{place.x, place.y, place.z};
+    };
+    for (int axis = 0; axis < 3; ++axis)
+        for (const double side : {-1.0, 1.0})
+            for (const double half : {-1.0, 1.0})
+            {
+                reference::Triangle triangle;
+                triangle.corners = {corner(axis, side, half, half), corner(axis, side, -half, half),
+                                    corner(axis, side, half, -half)};
+                triangle.albedo = {shape.albedo.x, shape.albedo.y, shape.albedo.z};
+                triangles.push_back(triangle);
+            }
+    return triangles;
+}
+
+/// A wall 12 m long and 4 m high on level white ground, or two that face each other.
+struct ColouredWall
+{
+    const char* name;
+    std::vector<ObjectShape> shapes;
+    double sunAzimuth; ///< 90: on the front of the first, 270: on its back; 0: no sun
+};
+
+ObjectShape wall(double x, const glm::dvec3& albedo)
+{
+    ObjectShape shape = box({x, 40, 1.9}, {0.25, 6, 2.1}); // 0.2 m in the ground
+    shape.albedo = albedo;
+    return shape;
+}
+
+} // namespace
+
+// A red wall by a white floor, in red, green and blue. Expected: by the path tracer with as many
+// bounces, to 0.2 %. What is bounced is told from what cones err in the light of the sky besides,
+// by the same without bounces.
+TEST(ObjectBounce, OfARedWallOnAWhiteFloor)
+{
+    OTL_NEED_GL(context);
+    const glm::dvec3 red(0.8, 0.1, 0.1), white(0.8);
+    const ColouredWall cases[] = {{"overcast", {wall(40, red)}, 0.0},
+                                  {"sun on the wall", {wall(40, red)}, 90.0},
+                                  {"sun behind the wall", {wall(40, red)}, 270.0},
+                                  {"two walls", {wall(40, red), wall(45, white)}, 90.0}};
+    std::vector<reference::Receiver> receivers;
+    std::vector<glm::ivec2> texels;
+    for (const int y : {32, 37, 40, 43})
+        for (const double x : {38.0, 39.0, 40.5, 41.0, 41.5, 42.0, 43.0, 44.0, 44.5, 47.0})
+        {
+            receivers.emplace_back();
+            receivers.back().place = {{x, 20.0 + 0.5 * y, 1.0e-4}, {0.0, 0.0, 1.0}};
+            texels.emplace_back(int((x - 20.0) / 0.5), y);
+        }
+    std::printf(
+        "RMS [%% of open ground's light]: bounced, in all, without bounces; red over green, "
+        "off by at most\n");
+    for (const ColouredWall& each : cases)
+    {
+        LitPlane plane;
+        plane.settings.albedo = {0.8f, 0.8f, 0.8f};
+        plane.sky.skyRadiance = {0.5f, 0.5f, 0.5f};
+        if (each.sunAzimuth > 0.0)
+        {
+            plane.sky.sunEnabled = true;
+            plane.sky.sunAzimuth = each.sunAzimuth;
+            plane.sky.sunElevation = 40.0;
+            plane.sky.sunIrradiance = {3.0f, 3.0f, 3.0f};
+        }
+        const auto clusters = clusterObjects(each.shapes, 0.25, 8);
+        ASSERT_EQ(clusters.size(), 1u);
+        reference::SceneDescription scene;
+        scene.tile = plane.ground;
+        scene.albedo = plane.settings.albedo;
+        for (const ObjectShape& shape : each.shapes)
+            for (const reference::Triangle& triangle : trianglesOf(shape))
+                scene.triangles.push_back(triangle);
+        const auto tracer = reference::PathTracer::build(scene);
+        ASSERT_TRUE(tracer) << tracer.error().message;
+        reference::Illumination illumination;
+        illumination.light = plane.sky;
+        TileObject object;
+        const Raster<osg::Vec4f> straight =
+            factorOf(context->state(), plane, clusters.front(), object);
+        for (const int bounces : {1, 2, 4})
+        {
+            plane.settings.bounces = bounces;
+            const Raster<osg::Vec4f> factor =
+                factorOf(context->state(), plane, clusters.front(), object);
+            const osg::Vec4f open = plane.light->readShading(context->state()).at(4, 4);
+            reference::PathTracerOptions options;
+            options.samples = 16384;
+            options.bounces = bounces;
+            const auto truth = tracer->trace(illumination, receivers, options);
+            ASSERT_TRUE(truth) << truth.error().message;
+            double ofBounced = 0.0, ofAll = 0.0, without = 0.0, hue = 0.0;
+            for (std::size_t i = 0; i < texels.size(); ++i)
+            {
+                const osg::Vec4f& left = factor.at(texels[i].x, texels[i].y);
+                const osg::Vec4f& dry = straight.at(texels[i].x, texels[i].y);
+                const reference::ReceivedLight& light = (*truth)[i];
+                for (unsigned c = 0; c < 3; ++c)
+                {
+                    const double bounced =
+                        light.total.mean[c] - light.sky.mean[c] - light.sun.mean[c];
+                    const double all = double(left[c]) - light.total.mean[c] / double(open[c]);
+                    const double ours = double(left[c]) - double(dry[c]);
+                    ofAll += all * all;
+                    ofBounced += std::pow(ours - bounced / double(open[c]), 2);
+                    without += std::pow(bounced / double(open[c]), 2);
+                }
+                hue = std::max(hue, std::abs(double(left[0]) / double(left[1]) -
+                                             light.total.mean[0] / light.total.mean[1]));
+            }
+            const auto percent = [count = 3.0 * double(texels.size())](double squares)
+            { return 100.0 * std::sqrt(squares / count); };
+            std::printf("%-20s %d bounces: %5.2f %5.2f %6.2f; %.2f\n", each.name, bounces,
+                        percent(ofBounced), percent(ofAll), percent(without), hue);
+            EXPECT_LE(percent(ofBounced), 3.3) << each.name << ", " << bounces << " bounces";
+            EXPECT_LE(percent(ofAll), 3.0) << each.name << ", " << bounces << " bounces";
+        }
+    }
 }

@@ -126,7 +126,8 @@ TEST(ShaderLibrary, EveryLibraryFileIsComposed)
     EXPECT_EQ(files.count("pieces.glsl"), 1u);
     EXPECT_EQ(files.count("windows.glsl"), 1u);
     EXPECT_EQ(files.count("lights.glsl"), 1u);
-    EXPECT_EQ(files.size(), count + 5); // these, the preamble and the pass
+    EXPECT_EQ(files.count("objects.glsl"), 1u);
+    EXPECT_EQ(files.size(), count + 6); // these, the preamble and the pass
     EXPECT_EQ(shader->text.find("#include"), std::string::npos);
 }
 

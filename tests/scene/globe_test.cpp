@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 using namespace osgTerrainLight;
 
@@ -43,6 +44,15 @@ std::unique_ptr<OverviewSource> sourceOf(const std::string& path, int cellsLog2)
     auto source = OverviewSource::open(path, {}, cellsLog2);
     EXPECT_TRUE(source) << source.error().message;
     return std::move(*source);
+}
+
+/// Paged terrain of a raster on its globe, in tiles of 2^cellsLog2 cells.
+std::pair<Globe, osg::ref_ptr<PagedTerrain>> onGlobe(const std::string& path, int cellsLog2)
+{
+    auto source = sourceOf(path, cellsLog2);
+    const Result<Globe> globe = Globe::under(*source, path);
+    EXPECT_TRUE(globe) << globe.error().message;
+    return {*globe, new PagedTerrain(std::move(source), {}, HorizonQuality::Normal, *globe)};
 }
 
 /// What is drawn below a node, in geocentric coordinates, and the tiles.
@@ -103,14 +113,10 @@ TEST(Globe, PostsStandOnTheEllipsoid)
     const auto heightAt = [](int column, int row)
     { return 500.0 + 300.0 * std::sin(0.3 * column) * std::cos(0.2 * row); };
     const std::string path = inDegrees(33, heightAt).write();
-    auto source = sourceOf(path, 5);
-    const Result<Globe> globe = Globe::under(*source, path);
-    ASSERT_TRUE(globe) << globe.error().message;
-    const osg::ref_ptr<PagedTerrain> terrain =
-        new PagedTerrain(std::move(source), {}, HorizonQuality::Normal, *globe);
+    const auto [globe, terrain] = onGlobe(path, 5);
     const auto root = terrain->root();
     ASSERT_TRUE(root) << root.error().message;
-    Drawn drawn(*globe->around(**root));
+    Drawn drawn(*globe.around(**root));
     EXPECT_TRUE(drawn.coordinates);
     const ToGeocentric toGeocentric;
     double worst = 0.0;
@@ -134,11 +140,7 @@ TEST(Globe, TheSunStandsAsItDoesOverEachTile)
     OTL_NEED_GL(context);
     constexpr int side = 321; // 3.2 degrees
     const std::string path = inDegrees(side, [](int, int) { return 0.0; }).write();
-    auto source = sourceOf(path, 6);
-    const Result<Globe> globe = Globe::under(*source, path);
-    ASSERT_TRUE(globe);
-    const osg::ref_ptr<PagedTerrain> terrain =
-        new PagedTerrain(std::move(source), {}, HorizonQuality::Normal, *globe);
+    const auto [globe, terrain] = onGlobe(path, 6);
     auto read = terrain->readNode("1/1/1", nullptr);
     ASSERT_TRUE(read.validNode());
 
@@ -147,7 +149,7 @@ TEST(Globe, TheSunStandsAsItDoesOverEachTile)
     light->sky.sunAzimuth = 100.0;
     light->sky.sunElevation = 5.0;
     light->sky.sunIrradiance = {1.0f, 1.0f, 1.0f};
-    light->settings.bodyRadius = globe->radius(); // as the viewer has it
+    light->settings.bodyRadius = globe.radius(); // as the viewer has it
     const auto axes = [](double longitude, double latitude)
     {
         const double a = longitude * radians, b = latitude * radians;
@@ -201,11 +203,7 @@ TEST(Globe, VerticesFindTheirPlaceBeyondTheDateLine)
         MemoryRaster raster = inDegrees(65, [](int column, int) { return 1.0 * column; });
         raster.transform[0] = west - 0.005;
         const std::string path = raster.write();
-        auto source = sourceOf(path, 5);
-        const Result<Globe> globe = Globe::under(*source, path);
-        ASSERT_TRUE(globe);
-        const osg::ref_ptr<PagedTerrain> terrain =
-            new PagedTerrain(std::move(source), {}, HorizonQuality::Normal, *globe);
+        const auto [globe, terrain] = onGlobe(path, 5);
         auto read = terrain->readNode("1/0/0", nullptr);
         ASSERT_TRUE(read.validNode());
         struct Places : osg::NodeVisitor

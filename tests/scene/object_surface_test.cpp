@@ -2,6 +2,8 @@
 #include <osgTerrainLight/PlacedObject.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
+#include "reference/PathTracer.h"
+#include "scene/ObjectField.h"
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/ScenePicture.h"
@@ -18,9 +20,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 using namespace osgTerrainLight;
+using reference::LinearRgb;
 
 namespace
 {
@@ -113,6 +117,13 @@ struct Plain
             place->addChild(object);
         lighting->addChild(place);
         picture = std::make_unique<ScenePicture>(lighting, halfSide);
+        picture->draw(4);
+    }
+    void bounce(int count)
+    {
+        LightingSettings settings = lighting->getSettings();
+        settings.bounces = count;
+        lighting->setSettings(settings);
         picture->draw(4);
     }
     /// From a place in the south, level to the north: what is 1 m before it, and beyond.
@@ -381,4 +392,148 @@ TEST(ObjectSurface, ThatMovesHasANewProbeNowAndThen)
     plain.picture->draw(2);
     EXPECT_EQ(runs(), before + 2);
     EXPECT_NEAR(plain.lightAt(2.5, 0.0), radiance, 0.02 * radiance + drawn);
+}
+
+namespace
+{
+
+void paint(PlacedObject& object, const osg::Vec4& colour)
+{
+    auto* geode = object.getChild(0)->asGroup();
+    static_cast<osg::ShapeDrawable*>(geode->getChild(0))->setColor(colour);
+    object.dirtyField();
+}
+
+void addTriangles(reference::SceneDescription& scene, const Box& box, const LinearRgb& albedo)
+{
+    for (int axis = 0; axis < 3; ++axis)
+        for (const double side : {-1.0, 1.0})
+            for (const double half : {-1.0, 1.0})
+            {
+                reference::Triangle triangle;
+                triangle.albedo = albedo;
+                const double corners[3][2] = {{half, half}, {-half, half}, {half, -half}};
+                for (std::size_t i = 0; i < 3; ++i)
+                {
+                    glm::dvec3 own;
+                    own[axis] = side;
+                    own[(axis + 1) % 3] = corners[i][0];
+                    own[(axis + 2) % 3] = corners[i][1];
+                    const glm::dvec3 place = box.centre + box.half * own;
+                    triangle.corners[i] = {place.x + 32.0, place.y + 32.0, place.z};
+                }
+                scene.triangles.push_back(triangle);
+            }
+}
+
+} // namespace
+
+// A white wall before a red one, on black and on grey ground. Expected: by the path tracer with as
+// many bounces, to 0.3 %.
+TEST(ObjectSurface, HasTheLightThatAnotherSends)
+{
+    OTL_NEED_GL(context);
+    for (const float ground : {0.0f, 0.5f})
+    {
+        const osg::ref_ptr<PlacedObject> red = facing.object();
+        paint(*red, {1.0f, 0.2f, 0.2f, 1.0f});
+        Plain plain({house.object(), red}, false, {ground, ground, ground});
+        plain.lookNorth(-7.0, 2.0);
+        EXPECT_EQ(plain.lighting->getDispatchCounts().count("object radiosity"), 0u);
+
+        reference::SceneDescription scene;
+        scene.tile = analytic::plane(65, 65, 1.0, 0.0);
+        scene.albedo = {ground, ground, ground};
+        addTriangles(scene, house, {1.0, 1.0, 1.0});
+        addTriangles(scene, facing, {1.0, linearOf(0.2), linearOf(0.2)});
+        const auto tracer = reference::PathTracer::build(scene);
+        ASSERT_TRUE(tracer) << tracer.error().message;
+        reference::Illumination illumination;
+        illumination.light.sunEnabled = false;
+        illumination.light.skyRadiance = {float(radiance), float(radiance), float(radiance)};
+        for (const int bounces : {1, 3})
+        {
+            plain.bounce(bounces);
+            EXPECT_GT(plain.lighting->getDispatchCounts().at("object radiosity"), 0u);
+            reference::PathTracerOptions options;
+            options.samples = 16384;
+            options.bounces = bounces;
+            std::vector<reference::Receiver> receivers;
+            for (const double up : {-1.0, 0.0, 1.0})
+                for (const double right : {-2.0, 0.0, 2.0})
+                {
+                    receivers.emplace_back();
+                    receivers.back().place = {{right + 32.0, 32.0 - 4.0 - 1.0e-4, 2.0 + up},
+                                              {0.0, -1.0, 0.0}};
+                }
+            const auto truth = tracer->trace(illumination, receivers, options);
+            ASSERT_TRUE(truth) << truth.error().message;
+            double squares = 0.0;
+            std::size_t i = 0;
+            for (const double up : {-1.0, 0.0, 1.0})
+                for (const double right : {-2.0, 0.0, 2.0})
+                {
+                    for (std::size_t channel = 0; channel < 2; ++channel)
+                        squares += std::pow(plain.channelAt(right, up, channel) -
+                                                (*truth)[i].total.mean[channel],
+                                            2);
+                    ++i;
+                }
+            const double rms = std::sqrt(squares / 18.0) / radiance;
+            const auto& middle = (*truth)[4];
+            std::printf(
+                "ground %.1f, %d bounces: RMS %.1f %% of the open sky's light; in the middle "
+                "%.3f %.3f, path tracer %.3f %.3f, sky alone %.3f\n",
+                double(ground), bounces, 100.0 * rms, plain.channelAt(0.0, 0.0, 0),
+                plain.channelAt(0.0, 0.0, 1), middle.total.mean[0], middle.total.mean[1],
+                middle.sky.mean[0]);
+            EXPECT_LE(rms, 0.04);
+        }
+        plain.bounce(0);
+        EXPECT_NEAR(plain.channelAt(0.0, 0.0, 0), plain.channelAt(0.0, 0.0, 1),
+                    ground > 0.0f ? 0.2 : 1.0e-6);
+        EXPECT_EQ(takeGlErrors(), "");
+    }
+}
+
+// Areas of the parts count, and their colours are sRGB: of vertices, or of a material where its
+// mode says so, times the picture's.
+TEST(ObjectSurface, SendsTheMeanOfItsColours)
+{
+    const auto albedoOf = [](PlacedObject& object)
+    {
+        ObjectField field;
+        const auto shape = field.shape(object);
+        return shape ? shape->albedo : glm::dvec3(-1.0);
+    };
+    const osg::ref_ptr<PlacedObject> object = house.object();
+    EXPECT_EQ(albedoOf(*object), glm::dvec3(1.0)) << "nothing has a colour";
+    // 8 x 8 x 4 m have 256 square metres; 4 x 4 x 1 m have 48.
+    paint(*object, {0.5f, 0.0f, 1.0f, 1.0f});
+    const osg::ref_ptr<PlacedObject> second = Box{{0.0, 0.0, 9.0}, {2.0, 2.0, 0.5}}.object();
+    paint(*second, {0.0f, 1.0f, 1.0f, 1.0f});
+    object->addChild(second->getChild(0));
+    glm::dvec3 found = albedoOf(*object);
+    EXPECT_NEAR(found.x, linearOf(0.5) * 256.0 / 304.0, 1.0e-4);
+    EXPECT_NEAR(found.y, 48.0 / 304.0, 1.0e-4);
+    EXPECT_NEAR(found.z, 1.0, 1.0e-6);
+
+    const osg::ref_ptr<osg::Material> material = new osg::Material;
+    material->setDiffuse(osg::Material::FRONT_AND_BACK, osg::Vec4(0.2f, 0.4f, 0.6f, 1.0f));
+    osg::StateSet* stateSet = object->getChild(1)->getOrCreateStateSet();
+    stateSet->setAttribute(material);
+    const osg::ref_ptr<osg::Image> picture = new osg::Image;
+    picture->allocateImage(1, 1, 1, GL_RGB, GL_UNSIGNED_BYTE);
+    std::fill_n(picture->data(), 3, static_cast<unsigned char>(204));
+    stateSet->setTextureAttributeAndModes(0, new osg::Texture2D(picture));
+    found = albedoOf(*object);
+    EXPECT_NEAR(found.y, 48.0 / 304.0 * linearOf(0.4) * linearOf(0.8), 1.0e-4);
+
+    ObjectField field;
+    field.albedo = osg::Vec3f(0.25f, 0.5f, 0.75f);
+    EXPECT_EQ(field.shape(*object)->albedo, glm::dvec3(0.25, 0.5, 0.75));
+    Said said;
+    object->setAlbedo(osg::Vec3f(0.5f, 1.5f, 0.0f));
+    EXPECT_FALSE(object->getAlbedo());
+    EXPECT_EQ(said.count("needs 0 ... 1"), 1);
 }

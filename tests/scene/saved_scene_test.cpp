@@ -298,6 +298,8 @@ TEST(SavedScene, KeepsPlacedObjects)
         {
             osg::ref_ptr<PlacedObject> object = new PlacedObject;
             object->setField(field);
+            if (field == Field::Box)
+                object->setAlbedo(osg::Vec3f(0.25f, 0.5f, 0.75f));
             lighting->addChild(object);
         }
         const std::string path = (folder / (std::string("objects.") + extension)).string();
@@ -310,6 +312,9 @@ TEST(SavedScene, KeepsPlacedObjects)
             const auto* object = dynamic_cast<PlacedObject*>(read->getChild(i));
             ASSERT_TRUE(object);
             EXPECT_EQ(object->getField(), fields[i]);
+            EXPECT_EQ(object->getAlbedo().has_value(), fields[i] == Field::Box);
+            EXPECT_EQ(object->getAlbedo().value_or(osg::Vec3f(0.25f, 0.5f, 0.75f)),
+                      osg::Vec3f(0.25f, 0.5f, 0.75f));
             EXPECT_EQ(object->getNumChildrenRequiringUpdateTraversal(), 1u);
         }
     }

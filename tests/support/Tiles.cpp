@@ -111,11 +111,15 @@ std::vector<float> inTiles(osg::State& state, const DemTile& tile, const TileCas
 {
     MemorySource source(tile);
     MemoryRadiance radiance;
-    FarLighting far;
-    far.settings = lit.settings;
-    far.sky = lit.sky;
-    EXPECT_TRUE(lightLevels(state, source, far, radiance));
     const int margin = lit.settings.bounces > 0 ? bounceMargin : 0;
+    const bool hasFarLight = margin > 0 && lit.farLight;
+    if (hasFarLight)
+    {
+        FarLighting far;
+        far.settings = lit.settings;
+        far.sky = lit.sky;
+        EXPECT_TRUE(lightLevels(state, source, far, radiance));
+    }
     std::vector<float> all;
     for (int tileIndex = 0; tileIndex < side * side; ++tileIndex)
     {
@@ -128,7 +132,7 @@ std::vector<float> inTiles(osg::State& state, const DemTile& tile, const TileCas
         const auto windows = readWindows(source, 0, grown, lit.settings.quality);
         EXPECT_TRUE(windows);
         const osg::ref_ptr<TileLight> light = new TileLight(*windows, lit.settings, lit.sky);
-        if (margin > 0)
+        if (hasFarLight)
             light->setFarLight(readFarLight(radiance, 0, lit.settings.bounces, **windows).value());
         const std::vector<float> values = valuesOf(state, *light, read);
         const std::size_t count = values.size() / light->tile().postCount();

@@ -16,6 +16,7 @@ struct TileCase
 {
     LightingSettings settings;
     SkyLight sky;
+    bool farLight = true; ///< tiles take bounced light from coarser levels, too
 };
 
 /// Some values per post of a tile that is lit, in tile order.

@@ -542,6 +542,46 @@ std::string faultOf(const Illumination& illumination, const PathTracerOptions& o
         return "threads are not within 0 … 1024";
     return {};
 }
+
+/// Where receivers lie, in their order.
+Result<std::vector<SurfacePoint>> pointsOf(const RayScene& scene,
+                                           const std::vector<Receiver>& receivers)
+{
+    const DemTile& tile = scene.description().tile;
+    const std::size_t triangles = scene.description().triangles.size();
+    std::vector<SurfacePoint> points;
+    for (const Receiver& r : receivers)
+    {
+        const std::string name = "receiver " + std::to_string(points.size());
+        if (r.towards && !(std::abs(dot(*r.towards, *r.towards) - 1.0) < 1e-9))
+            return invalid(name + " sends light towards a direction that is not of length 1");
+        if (r.place)
+        {
+            const auto& [at, normal] = *r.place;
+            if (!std::isfinite(dot(at, at)) || !(std::abs(dot(normal, normal) - 1.0) < 1e-9))
+                return invalid(name + " has no finite place or no normal of length 1");
+            points.push_back(scene.pointAt(at, normal));
+            continue;
+        }
+        if (r.triangle >= 0)
+        {
+            if (static_cast<std::size_t>(r.triangle) >= triangles)
+                return invalid(name + " is on triangle " + std::to_string(r.triangle) + " of " +
+                               std::to_string(triangles));
+            if (!(r.s >= 0.0 && r.t >= 0.0 && r.s + r.t <= 1.0))
+                return invalid(name + " lies outside its triangle");
+            points.push_back(scene.pointOfTriangle(r.triangle, r.s, r.t));
+            continue;
+        }
+        if (r.column < 0 || r.row < 0 || r.column >= tile.width() || r.row >= tile.height())
+            return invalid(name + " lies outside the tile");
+        if (!tile.isValid(r.column, r.row))
+            return invalid(name + " is the void post (" + std::to_string(r.column) + ", " +
+                           std::to_string(r.row) + ")");
+        points.push_back(scene.post(r.column, r.row));
+    }
+    return points;
+}
 } // namespace
 
 Raster<double> importanceOf(const std::function<LinearRgb(const Vector3&)>& environment, int width,
@@ -578,39 +618,9 @@ Result<std::vector<ReceivedLight>> PathTracer::trace(const Illumination& illumin
     const std::string fault = faultOf(illumination, options);
     if (!fault.empty())
         return invalid(fault);
-    const DemTile& tile = _scene->description().tile;
-    const std::size_t triangles = _scene->description().triangles.size();
-    std::vector<SurfacePoint> points;
-    for (const Receiver& r : receivers)
-    {
-        const std::string name = "receiver " + std::to_string(points.size());
-        if (r.towards && !(std::abs(dot(*r.towards, *r.towards) - 1.0) < 1e-9))
-            return invalid(name + " sends light towards a direction that is not of length 1");
-        if (r.place)
-        {
-            const auto& [at, normal] = *r.place;
-            if (!std::isfinite(dot(at, at)) || !(std::abs(dot(normal, normal) - 1.0) < 1e-9))
-                return invalid(name + " has no finite place or no normal of length 1");
-            points.push_back(_scene->pointAt(at, normal));
-            continue;
-        }
-        if (r.triangle >= 0)
-        {
-            if (static_cast<std::size_t>(r.triangle) >= triangles)
-                return invalid(name + " is on triangle " + std::to_string(r.triangle) + " of " +
-                               std::to_string(triangles));
-            if (!(r.s >= 0.0 && r.t >= 0.0 && r.s + r.t <= 1.0))
-                return invalid(name + " lies outside its triangle");
-            points.push_back(_scene->pointOfTriangle(r.triangle, r.s, r.t));
-            continue;
-        }
-        if (r.column < 0 || r.row < 0 || r.column >= tile.width() || r.row >= tile.height())
-            return invalid(name + " lies outside the tile");
-        if (!tile.isValid(r.column, r.row))
-            return invalid(name + " is the void post (" + std::to_string(r.column) + ", " +
-                           std::to_string(r.row) + ")");
-        points.push_back(_scene->post(r.column, r.row));
-    }
+    const Result<std::vector<SurfacePoint>> points = pointsOf(*_scene, receivers);
+    if (!points)
+        return points.error();
 
     std::optional<ImportanceTable> table;
     if (!illumination.importance.empty())
@@ -632,21 +642,21 @@ Result<std::vector<ReceivedLight>> PathTracer::trace(const Illumination& illumin
     const auto work = [&]
     {
         Worker worker(*_scene, illumination, table ? &*table : nullptr, options, samplesPerBatch);
-        for (std::size_t i = next++; i < points.size(); i = next++)
+        for (std::size_t i = next++; i < points->size(); i = next++)
         {
-            if (auto light = worker.receive(points[i], receivers[i].towards, i))
+            if (auto light = worker.receive((*points)[i], receivers[i].towards, i))
                 received[i] = std::move(*light);
             else
                 finite = false;
             const std::lock_guard<std::mutex> lock(mutex);
             ++done;
             if (options.progress)
-                options.progress(done, points.size());
+                options.progress(done, points->size());
         }
     };
     const int asked = options.threads > 0 ? options.threads
                                           : static_cast<int>(std::thread::hardware_concurrency());
-    const int useful = static_cast<int>(std::min<std::size_t>(points.size(), 1024));
+    const int useful = static_cast<int>(std::min<std::size_t>(points->size(), 1024));
     std::vector<std::thread> threads;
     for (int i = 1; i < std::min(asked, useful); ++i)
         threads.emplace_back(work);

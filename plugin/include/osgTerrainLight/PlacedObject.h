@@ -4,16 +4,18 @@
 
 #include <osg/Group>
 #include <osg/Shader>
+#include <osg/Vec3f>
 
 #include <memory>
+#include <optional>
 
 namespace osgTerrainLight
 {
 
-/// An object on terrain, as a house, a tree or a vehicle: the ground around it gets less sky light
-/// and has its shadow. It is the group of what is drawn, and stands anywhere below a
-/// TerrainLighting, or elsewhere in the scene and is given to TerrainLighting::addObject(). It may
-/// move in every frame, by any transform above it.
+/// An object on terrain, as a house, a tree or a vehicle: the ground around it gets less sky light,
+/// has its shadow and, with LightingSettings::bounces, the light that it sends. It is the group of
+/// what is drawn, and stands anywhere below a TerrainLighting, or elsewhere in the scene and is
+/// given to TerrainLighting::addObject(). It may move in every frame, by any transform above it.
 ///
 /// What it does to light is computed from a distance field. Its own surfaces are lit, too, where
 /// the middle of its bounds is over a tile that is lit: by a light probe in that middle, which
@@ -69,10 +71,23 @@ public:
     /// the bounding sphere is seen; of Star, HeightField and TwoHeightFields every change is.
     void dirtyField();
 
-    /// The texture unit of the volume of distances, and the sampler3D that reads it. The maps of
-    /// the probe are in LightProbe::diffuseUnit and glossyUnit.
+    /// Sets the albedo of its surfaces, linear, 0 … 1 in each colour: with
+    /// LightingSettings::bounces they send that part of their light to the ground and to other
+    /// objects. Nothing: the mean of what is drawn, of the colours of vertices or of the
+    /// osg::Material, times the texture of unit 0. That is the default. Other numbers are refused
+    /// with a warning.
+    void setAlbedo(const std::optional<osg::Vec3f>& albedo);
+    std::optional<osg::Vec3f> getAlbedo() const;
+
+    /// The texture units of the volume of distances, of what objects send and of what they leave
+    /// of the ground's light, and the samplers that read them. The maps of the probe are in
+    /// LightProbe::diffuseUnit and glossyUnit.
     static constexpr unsigned volumeUnit = 12;
     static constexpr const char* volumeSampler = "osgTerrainLight_objectVolume";
+    static constexpr unsigned radiosityUnit = 13;
+    static constexpr const char* radiositySampler = "osgTerrainLight_objectRadiosity";
+    static constexpr unsigned groundUnit = 14;
+    static constexpr const char* groundSampler = "osgTerrainLight_objectGround";
 
     /// Whether its distances are those that the field asks for: a mesh has been sampled.
     bool isFieldReady() const;

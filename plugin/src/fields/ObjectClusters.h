@@ -19,6 +19,7 @@ struct ObjectCluster
 
     static constexpr int maxVoxels = 128; ///< along an axis
     static constexpr int brick = 8;       ///< voxels that are computed together
+    static constexpr int cell = 4;        ///< voxels along a side that send light as one
     static constexpr int margin = 4;      ///< voxels around the content
     /// What a stored distance of 1 is, in voxels.
     static constexpr int reach = 8;

@@ -33,11 +33,13 @@ struct ObjectShape
     /// shear; scales may differ, but those of a cylinder's and capsule's x and y by no more than a
     /// mean would forgive.
     glm::dmat4 toScene{1.0};
+    /// Of its surface, in the mean: 0 … 1.
+    glm::dvec3 albedo{0.5};
 
     bool operator==(const ObjectShape& other) const
     {
         return kind == other.kind && size == other.size && grid == other.grid &&
-               form == other.form && toScene == other.toScene;
+               form == other.form && toScene == other.toScene && albedo == other.albedo;
     }
     bool operator!=(const ObjectShape& other) const { return !(*this == other); }
 };

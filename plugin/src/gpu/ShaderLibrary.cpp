@@ -95,7 +95,7 @@ Result<ComposedShader> ShaderLibrary::compose(const std::string& name,
     for (const EmbeddedShader& shader : embeddedShaders())
         if (const std::string file = shader.name; file.rfind("lights/", 0) == 0)
             names.push_back(file);
-    names.insert(names.end(), {"lights.glsl", name});
+    names.insert(names.end(), {"lights.glsl", "objects.glsl", name});
 
     ComposedShader shader;
     shader.text = "#version 430\n";

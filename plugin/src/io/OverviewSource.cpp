@@ -8,6 +8,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -170,9 +171,10 @@ Result<std::function<double(double, double)>> OverviewSource::coarseHeights()
         });
 }
 
-double OverviewSource::heightAt(double x, double y)
+Result<double> OverviewSource::heightAt(double x, double y)
 {
     const PostRect all = terrain();
+    std::optional<Error> unread;
     const double above =
         bilinear(x / middleEastSpacing() + 0.5 * (all.width - 1),
                  y / northSpacing() + 0.5 * (all.height - 1), all.width, all.height,
@@ -180,8 +182,12 @@ double OverviewSource::heightAt(double x, double y)
                  {
                      const Result<Raster<float>> post =
                          readPosts({all.column + column, all.row + row, 1, 1});
+                     if (!post)
+                         unread = post.error();
                      return post ? post->at(0, 0) : missing;
                  });
+    if (unread)
+        return *unread;
     return heightOrigin() + above;
 }
 

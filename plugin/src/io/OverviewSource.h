@@ -64,7 +64,7 @@ public:
     /// nearest post of the coarsest tile tells; NaN where it is void. They do not need the source.
     Result<std::function<double(double, double)>> coarseHeights();
     /// The same of one place, bilinear between the posts of level 0; reads four of them.
-    double heightAt(double x, double y);
+    Result<double> heightAt(double x, double y);
     /// A level tile of 2 × 2 posts at the corners of a rectangle: where it lies on the map.
     DemTile cornersOf(int level, const PostRect& posts) const;
     /// Between columns in the middle of the raster [m].

@@ -109,6 +109,7 @@ TileObjects objectsOn(const std::vector<ObjectLight::Placed>& placed, const glm:
         TileObject object;
         object.spacing = spacing;
         object.volume = each.node->volume();
+        object.albedo = each.node->albedo();
         object.corner = cluster.origin - corner;
         object.voxels = cluster.voxels;
         object.voxel = cluster.voxel;

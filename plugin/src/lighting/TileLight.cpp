@@ -229,6 +229,8 @@ Status TileLight::apply()
         before.objects.size() != _inputs->objects.size() ||
         !std::equal(before.objects.begin(), before.objects.end(), _inputs->objects.begin(),
                     [](const TileObject& a, const TileObject& b) { return a.volume == b.volume; });
+    if (isOther)
+        _objectRadiosities.clear();
     if (isOther || isOtherVolume)
         _objectFactor = nullptr;
     if (isOther || isOtherVolume || before.probes.empty() != _inputs->probes.empty())
@@ -351,17 +353,36 @@ WorkGraph::Nodes TileLight::nodes()
         _probe = new ProbeNode(*_inputs, *_surface, _shading, _table->picture());
     if (_probe)
         all.push_back(_probe);
-    if (_inputs->objects.empty())
-        _objectFactor = nullptr;
-    else if (!_objectFactor)
-    {
-        _objectFactor = new ObjectFactorNode(
-            *_inputs, *_surface, {_direct, _shading, _method->skyHorizon(), _table->picture()},
-            _factor);
-    }
+    declareObjects();
+    all.insert(all.end(), _objectRadiosities.begin(), _objectRadiosities.end());
     if (_objectFactor)
         all.push_back(_objectFactor);
     return all;
+}
+
+/// Makes the nodes of objects that are missing. A volume that stays keeps what its objects send
+/// until that is computed anew.
+void TileLight::declareObjects()
+{
+    const ObjectSurroundings light{_direct, _shading, _method->skyHorizon(), _table->picture()};
+    const auto before = std::exchange(_objectRadiosities, {});
+    if (_inputs->settings.bounces > 0)
+        for (const TileObject& object : _inputs->objects)
+        {
+            const auto same =
+                std::find_if(before.begin(), before.end(),
+                             [&](const auto& node) { return node->volume() == object.volume; });
+            if (same != before.end())
+                _objectRadiosities.push_back(*same);
+            else
+                _objectRadiosities.emplace_back(
+                    new ObjectRadiosityNode(*_inputs, *_surface, light, object));
+        }
+    if (_inputs->objects.empty())
+        _objectFactor = nullptr;
+    else if (!_objectFactor)
+        _objectFactor =
+            new ObjectFactorNode(*_inputs, *_surface, light, _objectRadiosities, _factor);
 }
 
 Status TileLight::update(osg::State& state, WorkPace* pace)
@@ -438,6 +459,18 @@ TileLight::drawnObjects(const std::set<unsigned>& contexts) const
                        contexts.end()))
         return std::nullopt;
     return DrawnObjects{static_cast<osg::Texture2D*>(_factor->texture()), _inputs->objects};
+}
+
+TileLight::ObjectRadiosity TileLight::objectRadiosity(const Resource& volume,
+                                                      const std::set<unsigned>& contexts) const
+{
+    Lock lock(_mutex);
+    for (const auto& node : _objectRadiosities)
+        if (node->volume() == &volume &&
+            std::all_of(contexts.begin(), contexts.end(),
+                        [&](unsigned context) { return node->written().has(context); }))
+            return {node->radiosity()->texture(), node->groundShare()->texture()};
+    return {};
 }
 
 unsigned TileLight::objectsRevision() const
@@ -523,6 +556,8 @@ void TileLight::releaseGLObjects(osg::State* state) const
             _factorContexts.erase(state->getContextID());
         else
             _factorContexts.clear();
+        for (const auto& node : _objectRadiosities)
+            node->forget(state ? state->getContextID() : ~0u);
     }
     if (isResting())
     {

@@ -13,6 +13,7 @@
 #include "lighting/TileInputs.h"
 #include "lighting/TileSurface.h"
 #include "lighting/methods/Method.h"
+#include "lighting/nodes/ObjectRadiosityNode.h"
 
 #include <osg/Referenced>
 #include <osg/Texture2D>
@@ -141,6 +142,19 @@ public:
     };
     /// Nothing where it is not computed yet in one of the contexts: what was drawn before stays.
     std::optional<DrawnObjects> drawnObjects(const std::set<unsigned>& contexts) const;
+    /// What the objects of a volume send in the light of this tile, and what they leave of the
+    /// ground's (ObjectRadiosityNode). Null where nothing bounces, or where it is not computed yet
+    /// in one of the contexts.
+    struct ObjectRadiosity
+    {
+        osg::ref_ptr<osg::Texture> sent, groundShare;
+        bool operator==(const ObjectRadiosity& other) const
+        {
+            return sent == other.sent && groundShare == other.groundShare;
+        }
+    };
+    ObjectRadiosity objectRadiosity(const Resource& volume,
+                                    const std::set<unsigned>& contexts) const;
     /// Grows where drawnObjects() may give something else.
     unsigned objectsRevision() const;
 
@@ -177,6 +191,7 @@ private:
     void declareMethod();
     void declareTransport();
     WorkGraph::Nodes nodes();
+    void declareObjects();
 
     /// What setters have changed since the last update.
     struct Changes
@@ -210,6 +225,8 @@ private:
     WorkGraph::Nodes _transport;
     osg::ref_ptr<Node> _probe;        ///< null where there are no probes
     osg::ref_ptr<Node> _objectFactor; ///< null where there are no objects
+    /// What objects send, of each volume; none where nothing bounces.
+    std::vector<osg::ref_ptr<ObjectRadiosityNode>> _objectRadiosities;
     osg::ref_ptr<Resource> _shading, _glossLight, _edges, _factor;
     osg::ref_ptr<Resource> _direct;               ///< light; the shading where there are no bounces
     std::vector<osg::ref_ptr<Resource>> _bounces; ///< light of each

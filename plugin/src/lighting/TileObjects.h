@@ -20,6 +20,7 @@ struct TileObject
     /// columns of all of them are drawn as far apart as those of one.
     glm::dvec2 spacing{1.0};
     osg::ref_ptr<Resource> volume;  ///< ObjectVolumeNode::volume()
+    osg::ref_ptr<Resource> albedo;  ///< ObjectVolumeNode::albedo()
     glm::dvec3 corner{0.0};         ///< of the volume
     glm::ivec3 voxels{0};           ///< along its axes
     double voxel = 1.0;             ///< [m]
@@ -31,10 +32,10 @@ struct TileObject
 
     bool operator==(const TileObject& other) const
     {
-        return spacing == other.spacing && volume == other.volume && corner == other.corner &&
-               voxels == other.voxels && voxel == other.voxel && low == other.low &&
-               high == other.high && first == other.first && pitch == other.pitch &&
-               texels == other.texels && row == other.row;
+        return spacing == other.spacing && volume == other.volume && albedo == other.albedo &&
+               corner == other.corner && voxels == other.voxels && voxel == other.voxel &&
+               low == other.low && high == other.high && first == other.first &&
+               pitch == other.pitch && texels == other.texels && row == other.row;
     }
 };
 using TileObjects = std::vector<TileObject>;

@@ -313,6 +313,25 @@ osg::Object* createObject()
     return new PlacedObject;
 }
 
+bool hasAlbedo(const PlacedObject& object)
+{
+    return object.getAlbedo().has_value();
+}
+
+bool readAlbedo(osgDB::InputStream& stream, PlacedObject& object)
+{
+    osg::Vec3f albedo;
+    stream >> albedo;
+    object.setAlbedo(albedo);
+    return true;
+}
+
+bool writeAlbedo(osgDB::OutputStream& stream, const PlacedObject& object)
+{
+    stream << *object.getAlbedo() << std::endl;
+    return true;
+}
+
 void addObjectProperties(osgDB::ObjectWrapper* wrapper)
 {
     using Field = PlacedObject::Field;
@@ -329,6 +348,9 @@ void addObjectProperties(osgDB::ObjectWrapper* wrapper)
     field->add("HEIGHT_FIELD", Field::HeightField);
     field->add("TWO_HEIGHT_FIELDS", Field::TwoHeightFields);
     wrapper->addSerializer(field, osgDB::BaseSerializer::RW_ENUM);
+    wrapper->addSerializer(
+        new osgDB::UserSerializer<PlacedObject>("Albedo", &hasAlbedo, &readAlbedo, &writeAlbedo),
+        osgDB::BaseSerializer::RW_USER);
 }
 } // namespace
 

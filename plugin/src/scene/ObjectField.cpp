@@ -5,10 +5,13 @@
 #include <osg/ComputeBoundsVisitor>
 #include <osg/Notify>
 #include <osg/ShapeDrawable>
+#include <osg/Texture>
 #include <osg/TriangleFunctor>
+#include <osg/TriangleIndexFunctor>
 
 #include <glm/gtc/matrix_transform.hpp>
 
+#include <cmath>
 #include <utility>
 
 namespace osgTerrainLight
@@ -39,7 +42,59 @@ struct AddTriangle
     }
 };
 
-/// Triangles of what is drawn below, in its frame, and its drawables.
+double linearOfSrgb(double code)
+{
+    return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
+}
+
+glm::dvec3 linear(const osg::Vec4& colour)
+{
+    return {linearOfSrgb(double(colour.r())), linearOfSrgb(double(colour.g())),
+            linearOfSrgb(double(colour.b()))};
+}
+
+/// Mean of a picture at 16 x 16 of its places, weighed by alpha.
+glm::dvec3 meanOf(const osg::Image& image)
+{
+    constexpr int count = 16;
+    glm::dvec3 sum(0.0);
+    double weight = 0.0;
+    for (int y = 0; y < count; ++y)
+        for (int x = 0; x < count; ++x)
+        {
+            const osg::Vec4 colour = image.getColor(
+                osg::Vec2((float(x) + 0.5f) / float(count), (float(y) + 0.5f) / float(count)));
+            sum += double(colour.a()) * linear(colour);
+            weight += double(colour.a());
+        }
+    return weight > 0.0 ? sum / weight : glm::dvec3(1.0);
+}
+
+/// Colours of triangles, weighed by their areas.
+struct AddColour
+{
+    const osg::Vec3Array* places = nullptr;
+    const osg::Vec4Array* colours = nullptr; ///< one per vertex; null: `one` is all of them
+    osg::Vec4 one{1.0f, 1.0f, 1.0f, 1.0f};
+    osg::Matrixd toObject;
+    glm::dvec3 sum{0.0};
+    double area = 0.0;
+
+    void operator()(unsigned a, unsigned b, unsigned c)
+    {
+        const osg::Vec3d first = osg::Vec3d((*places)[a]) * toObject;
+        const double size = ((osg::Vec3d((*places)[b]) * toObject - first) ^
+                             (osg::Vec3d((*places)[c]) * toObject - first))
+                                .length();
+        glm::dvec3 colour(0.0);
+        for (const unsigned corner : {a, b, c})
+            colour += linear(colours ? (*colours)[corner] : one) / 3.0;
+        sum += size * colour;
+        area += size;
+    }
+};
+
+/// Triangles of what is drawn below, in its frame, its drawables, and their mean colour.
 class PartCollector : public osg::NodeVisitor
 {
 public:
@@ -49,17 +104,21 @@ public:
     }
     void apply(osg::Node& node) override
     {
-        noteMaterial(node);
+        const Surface above = noteSurface(node);
         traverse(node);
+        _surface = above;
     }
     void apply(osg::Drawable& drawable) override
     {
-        noteMaterial(drawable);
+        const Surface above = noteSurface(drawable);
         // The object itself is first in the path.
         const osg::NodePath below(getNodePath().begin() + 1, getNodePath().end());
         toObject = osg::computeLocalToWorld(below);
         last = &drawable;
         ++count;
+        if (const osg::Geometry* geometry = drawable.asGeometry())
+            addColour(*geometry);
+        _surface = above;
         if (!_triangles)
             return;
         osg::TriangleFunctor<AddTriangle> add;
@@ -74,18 +133,66 @@ public:
     int count = 0;
     bool hasMaterials = false, ownMaterials = false;
 
-private:
-    void noteMaterial(const osg::Node& node)
+    /// Linear, by area; white where nothing has a colour.
+    glm::dvec3 albedo() const
     {
+        return _area > 0.0 ? glm::clamp(_colours / _area, 0.0, 1.0) : glm::dvec3(1.0);
+    }
+
+private:
+    /// Of the nodes above a drawable.
+    struct Surface
+    {
+        const osg::Material* material = nullptr;
+        const osg::Image* picture = nullptr;
+    };
+
+    /// Gives what counted above the node.
+    Surface noteSurface(const osg::Node& node)
+    {
+        const Surface above = _surface;
         const osg::StateSet* stateSet = node.getStateSet();
-        const auto* material = stateSet ? dynamic_cast<const osg::Material*>(
-                                              stateSet->getAttribute(osg::StateAttribute::MATERIAL))
-                                        : nullptr;
-        hasMaterials = hasMaterials || material;
-        ownMaterials = ownMaterials || (material && isOwnColour(*material));
+        if (!stateSet)
+            return above;
+        if (const auto* material = dynamic_cast<const osg::Material*>(
+                stateSet->getAttribute(osg::StateAttribute::MATERIAL)))
+        {
+            _surface.material = material;
+            hasMaterials = true;
+            ownMaterials = ownMaterials || isOwnColour(*material);
+        }
+        if (const auto* texture = dynamic_cast<const osg::Texture*>(
+                stateSet->getTextureAttribute(0, osg::StateAttribute::TEXTURE)))
+            _surface.picture = texture->getImage(0);
+        return above;
+    }
+
+    void addColour(const osg::Geometry& geometry)
+    {
+        osg::TriangleIndexFunctor<AddColour> add;
+        add.places = dynamic_cast<const osg::Vec3Array*>(geometry.getVertexArray());
+        if (!add.places)
+            return;
+        add.toObject = toObject;
+        const auto* colours = dynamic_cast<const osg::Vec4Array*>(geometry.getColorArray());
+        if (_surface.material && isOwnColour(*_surface.material))
+            add.one = _surface.material->getDiffuse(osg::Material::FRONT);
+        else if (colours && !colours->empty())
+        {
+            add.one = colours->front();
+            if (geometry.getColorBinding() == osg::Geometry::BIND_PER_VERTEX &&
+                colours->size() >= add.places->size())
+                add.colours = colours;
+        }
+        geometry.accept(add);
+        _colours += add.sum * (_surface.picture ? meanOf(*_surface.picture) : glm::dvec3(1.0));
+        _area += add.area;
     }
 
     bool _triangles;
+    Surface _surface;
+    glm::dvec3 _colours{0.0}; ///< times area
+    double _area = 0.0;
 };
 
 ObjectShape about(ObjectShape::Kind kind, const osg::Vec3d& centre, const glm::dvec3& size,
@@ -150,10 +257,17 @@ std::optional<ObjectShape> ObjectField::shape(osg::Group& object)
 {
     using Field = PlacedObject::Field;
     if (field == Field::Star || field == Field::HeightField || field == Field::TwoHeightFields)
-    {
         followForm(object);
-        return _shape;
-    }
+    else
+        followSolid(object);
+    if (_shape)
+        _shape->albedo = albedo ? vector(osg::Vec3d(*albedo)) : _drawnAlbedo;
+    return _shape;
+}
+
+/// Of a solid, or of a mesh that stays as it is but for moving.
+void ObjectField::followSolid(osg::Group& object)
+{
     const osg::BoundingSphere& bound = object.getBound();
     if (_isDirty || bound.center() != _bound.center() || bound.radius() != _bound.radius())
     {
@@ -167,7 +281,6 @@ std::optional<ObjectShape> ObjectField::shape(osg::Group& object)
         startSampling(object);
     }
     takeSampled();
-    return _shape;
 }
 
 void ObjectField::make(osg::Group& object)
@@ -181,6 +294,7 @@ void ObjectField::make(osg::Group& object)
     object.accept(parts);
     _hasMaterials = parts.hasMaterials;
     _ownMaterials = parts.ownMaterials;
+    _drawnAlbedo = parts.albedo();
     if (field == Field::None)
         return;
     if (parts.count == 0)
@@ -237,6 +351,7 @@ void ObjectField::sampleForm(osg::Group& object, PlacedObject::Field as)
     object.accept(parts);
     _hasMaterials = parts.hasMaterials;
     _ownMaterials = parts.ownMaterials;
+    _drawnAlbedo = parts.albedo();
     if (!_sampled.empty() && parts.mesh.vertices == _sampled)
         return;
     using Field = PlacedObject::Field;

@@ -25,6 +25,7 @@ class ObjectField
 {
 public:
     PlacedObject::Field field = PlacedObject::Field::Automatic;
+    std::optional<osg::Vec3f> albedo; ///< nothing: of what is drawn
 
     void dirty() { _isDirty = true; }
     bool isReady() const { return !_isDirty && !_isMesh && !_sampling; }
@@ -39,6 +40,7 @@ public:
 
 private:
     void make(osg::Group& object);
+    void followSolid(osg::Group& object);
     void followForm(osg::Group& object);
     void sampleForm(osg::Group& object, PlacedObject::Field as);
     void startSampling(osg::Group& object);
@@ -53,6 +55,7 @@ private:
     int _still = 0;       ///< updates
     osg::Vec3d _middle;   ///< that the mesh is sampled about: a frame may be far from its origin
     bool _hasMaterials = false, _ownMaterials = false;
+    glm::dvec3 _drawnAlbedo{1.0};
     osg::BoundingSphere _bound; ///< of the object, when the shape was made
     std::optional<ObjectShape> _shape;
     std::vector<glm::vec3> _sampled; ///< corners of the triangles that the form was made of

@@ -41,6 +41,7 @@ PlacedObject::PlacedObject(const PlacedObject& other, const osg::CopyOp& copyop)
 {
     setNumChildrenRequiringUpdateTraversal(getNumChildrenRequiringUpdateTraversal() + 1);
     _implementation->field.field = other.getField();
+    _implementation->field.albedo = other.getAlbedo();
 }
 
 PlacedObject::~PlacedObject() = default;
@@ -56,6 +57,24 @@ void PlacedObject::setField(Field field)
 PlacedObject::Field PlacedObject::getField() const
 {
     return _implementation->field.field;
+}
+
+void PlacedObject::setAlbedo(const std::optional<osg::Vec3f>& albedo)
+{
+    if (albedo)
+        for (int i = 0; i < 3; ++i)
+            if (!((*albedo)[i] >= 0.0f && (*albedo)[i] <= 1.0f))
+            {
+                OSG_WARN << "osgTerrainLight: albedo of object '" << getName()
+                         << "' not set: needs 0 ... 1" << std::endl;
+                return;
+            }
+    _implementation->field.albedo = albedo;
+}
+
+std::optional<osg::Vec3f> PlacedObject::getAlbedo() const
+{
+    return _implementation->field.albedo;
 }
 
 void PlacedObject::dirtyField()

@@ -94,6 +94,34 @@ const SceneTile* tileAt(const osg::Vec3d& place, const TileRegistry& tiles)
     return found;
 }
 
+/// Of the ground below a place: its height at the origin of a volume, above that, and its slopes to
+/// the east and north.
+osg::Vec3f groundPlane(const SceneTile& tile, const osg::Vec3d& place, const glm::dvec3& origin)
+{
+    const DemTile& dem = tile.lit->lighting().tile();
+    const LitTile::Margin& margin = tile.lit->margin();
+    // Of the lit tile's post (0, 0).
+    const osg::Vec3d corner(tile.corner->x() - margin.west * tile.spacing.x(),
+                            tile.corner->y() - margin.south * tile.spacing.y(),
+                            tile.corner->z() + dem.heightOrigin);
+    const auto postBefore = [](double at, int count)
+    { return std::clamp(static_cast<int>(std::floor(at)), 0, std::max(count - 2, 0)); };
+    const int column = postBefore((place.x() - corner.x()) / tile.spacing.x(), dem.width());
+    const int row = postBefore((place.y() - corner.y()) / tile.spacing.y(), dem.height());
+    const auto height = [&](int east, int north)
+    {
+        return dem.isValid(column + east, row + north)
+                   ? double(dem.heightAt(column + east, row + north))
+                   : place.z() - corner.z();
+    };
+    const double east = (height(1, 0) - height(0, 0)) / tile.spacing.x();
+    const double north = (height(0, 1) - height(0, 0)) / tile.spacing.y();
+    const double up = corner.z() + height(0, 0) - origin.z +
+                      east * (origin.x - corner.x() - column * tile.spacing.x()) +
+                      north * (origin.y - corner.y() - row * tile.spacing.y());
+    return {static_cast<float>(up), static_cast<float>(east), static_cast<float>(north)};
+}
+
 } // namespace
 
 ObjectState::ObjectState() : program(new osg::StateSet), programOnly(new osg::StateSet)
@@ -134,6 +162,10 @@ void ObjectState::setSunRadius(double degrees)
         new osg::Uniform(LightProbe::glossySampler, static_cast<int>(LightProbe::glossyUnit)));
     cones->addUniform(
         new osg::Uniform(PlacedObject::volumeSampler, static_cast<int>(PlacedObject::volumeUnit)));
+    cones->addUniform(new osg::Uniform(PlacedObject::radiositySampler,
+                                       static_cast<int>(PlacedObject::radiosityUnit)));
+    cones->addUniform(
+        new osg::Uniform(PlacedObject::groundSampler, static_cast<int>(PlacedObject::groundUnit)));
     cones->addUniform(new osg::Uniform("osgTerrainLight_objectLit", false));
     cones->setMode(GL_TEXTURE_CUBE_MAP_SEAMLESS, osg::StateAttribute::ON);
 }
@@ -252,7 +284,7 @@ void ObjectSurfaces::followProbe(ObjectSurface& surface, const ObjectBounds& bou
 }
 
 void ObjectSurfaces::followVolume(ObjectSurface& surface, const Seen& seen,
-                                  const ObjectLight& light)
+                                  const ObjectLight& light, const TileRegistry& tiles)
 {
     const auto stateSet = [&]
     {
@@ -275,7 +307,7 @@ void ObjectSurfaces::followVolume(ObjectSurface& surface, const Seen& seen,
     if (isOther)
     {
         surface._own = surface._former = {};
-        surface._open = {stateSet(), nullptr, surface._middle};
+        surface._open = {stateSet(), nullptr, {}, surface._middle};
         surface._open.stateSet->addUniform(
             new osg::Uniform("osgTerrainLight_hasObjectVolume", false));
     }
@@ -299,17 +331,31 @@ void ObjectSurfaces::followVolume(ObjectSurface& surface, const Seen& seen,
              found->node->isWrittenWhere(*surface._former.node))
         surface._former = {};
     osg::Texture* volume = found->node->volume()->texture();
+    const SceneTile* tile = tiles.find(surface._tile);
+    TileLight::ObjectRadiosity radiosity;
+    if (tile && tile->lit)
+        radiosity =
+            tile->lit->lighting().objectRadiosity(*found->node->volume(), tile->lit->litContexts());
     if (surface._own.stateSet && found->node == surface._own.node &&
-        cluster.content.low == surface._content.low &&
+        radiosity == surface._own.radiosity && cluster.content.low == surface._content.low &&
         cluster.content.high == surface._content.high)
         return;
-    surface._own = Light{nullptr, found->node, vector(cluster.origin)};
+    surface._own = Light{nullptr, found->node, radiosity, vector(cluster.origin)};
     if (!volume) // not computed anywhere yet
         return;
     surface._content = cluster.content;
     const osg::ref_ptr<osg::StateSet> made = stateSet();
     made->setTextureAttribute(PlacedObject::volumeUnit, volume);
     made->addUniform(new osg::Uniform("osgTerrainLight_hasObjectVolume", true));
+    made->addUniform(
+        new osg::Uniform("osgTerrainLight_hasObjectRadiosity", radiosity.sent.valid()));
+    if (radiosity.sent)
+    {
+        made->setTextureAttribute(PlacedObject::radiosityUnit, radiosity.sent);
+        made->setTextureAttribute(PlacedObject::groundUnit, radiosity.groundShare);
+        made->addUniform(new osg::Uniform("osgTerrainLight_objectPlane",
+                                          groundPlane(*tile, surface._middle, cluster.origin)));
+    }
     const osg::ref_ptr<osg::Uniform> field =
         new osg::Uniform(osg::Uniform::FLOAT_VEC4, "osgTerrainLight_objectField", 3);
     field->setElement(0, vector(cluster.voxel * glm::dvec3(cluster.voxels), cluster.voxel));
@@ -334,7 +380,7 @@ void ObjectSurfaces::follow(const std::vector<Seen>& seen, const ObjectLight& li
                               : each.hasMaterials ? Materials::Colours
                                                   : Materials::None;
         followProbe(*surface, each.bounds, tiles, probes);
-        followVolume(*surface, each, light);
+        followVolume(*surface, each, light, tiles);
         _objects.push_back({each.object.get(), surface});
     }
     for (const Object& gone : before)

@@ -64,7 +64,8 @@ private:
     {
         osg::ref_ptr<osg::StateSet> stateSet;
         osg::ref_ptr<const ObjectVolumeNode> node;
-        osg::Vec3d origin; ///< of the volume, in the scene
+        TileLight::ObjectRadiosity radiosity; ///< of the volume
+        osg::Vec3d origin;                    ///< of the volume, in the scene
     };
     const Light* lightIn(unsigned context) const;
 
@@ -119,7 +120,8 @@ private:
     osg::ref_ptr<ObjectSurface> surfaceOf(const Seen& seen, std::vector<Object>& before) const;
     static void followProbe(ObjectSurface& surface, const ObjectBounds& bounds,
                             const TileRegistry& tiles, ProbeList& probes);
-    static void followVolume(ObjectSurface& surface, const Seen& seen, const ObjectLight& light);
+    static void followVolume(ObjectSurface& surface, const Seen& seen, const ObjectLight& light,
+                             const TileRegistry& tiles);
 
     osg::ref_ptr<ObjectState> _state;
     std::vector<Object> _objects;

@@ -83,10 +83,10 @@ osg::ref_ptr<osg::Shader> glossShader(osg::Shader::Type type, const std::string&
 
 osg::ref_ptr<osg::Shader> objectShader(osg::Shader::Type type, const std::string& version)
 {
-    return composedShader(
-        type,
-        {"preamble.glsl", "lib/angle.glsl", "lib/object_light.glsl", "host/terrain_objects.glsl"},
-        version);
+    return composedShader(type,
+                          {"preamble.glsl", "lib/angle.glsl", "lib/object_light.glsl",
+                           "lib/ambient_cube.glsl", "host/terrain_objects.glsl"},
+                          version);
 }
 
 void addGloss(osg::Program& program, const std::string& version)

@@ -16,7 +16,9 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 
 namespace osgTerrainLight
@@ -328,7 +330,13 @@ private:
     {
         LocalFrame frame = localFrameOf(*_tile);
         if (_paged)
-            frame.heightAt = [this](double x, double y) { return _paged->heightAt(x, y); };
+            frame.heightAt = [this](double x, double y)
+            {
+                const Result<double> height = _paged->heightAt(x, y);
+                if (!height)
+                    _unread = height.error();
+                return height ? *height : std::numeric_limits<double>::quiet_NaN();
+            };
         return frame;
     }
 
@@ -348,10 +356,11 @@ private:
                 _model.warnings.push_back(start + "left out " + model.what + ": " +
                                           explained(reason, model.url));
             };
+            _unread.reset();
             const Result<ModelPlace> place = placeModel(model, frame);
-            if (!place)
+            if (_unread || !place)
             {
-                leave(place.error());
+                leave(_unread ? *_unread : place.error());
                 continue;
             }
             const Result<osg::ref_ptr<osg::Node>> node = reader.read(resolved(model.url, _folder));
@@ -385,6 +394,7 @@ private:
     std::vector<TileRaster> _tiles; ///< read as long as they are kept
     std::optional<DemTile> _tile;
     std::unique_ptr<OverviewSource> _paged; ///< null where the terrain is one tile
+    std::optional<Error> _unread;           ///< why the last height was not read
     std::vector<DrapedColour> _draped;      ///< over paged terrain
     std::vector<ColourImage> _colours;
 };

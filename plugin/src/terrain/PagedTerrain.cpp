@@ -5,7 +5,6 @@
 #include "terrain/DrawnTile.h"
 
 #include <osg/Geometry>
-#include <osg/MatrixTransform>
 #include <osg/NodeVisitor>
 #include <osg/Notify>
 #include <osg/PagedLOD>
@@ -53,6 +52,13 @@ osg::ref_ptr<DemData> withOwnPlane(const TileWindows& windows, const PostRect& t
     const osg::Vec2d middle((own->middleColumn - own->place.column) / (own->place.width - 1),
                             (own->middleRow - own->place.row) / (own->place.height - 1));
     return new DemData(std::move(own), middle);
+}
+
+/// [m]
+double widestCell(const DemTile& dem)
+{
+    return std::max({dem.eastSpacing(0), dem.eastSpacing(dem.height() - 1),
+                     dem.eastSpacing(dem.height() / 2), dem.northSpacing});
 }
 
 } // namespace
@@ -114,6 +120,62 @@ std::vector<ColourImage> PagedTerrain::coloursOf(const Place& place)
     return images;
 }
 
+/// What is drawn of a tile, with its own light, in the frame of the nodes. there: the posts of it
+/// that the raster has.
+osg::ref_ptr<osg::MatrixTransform>
+PagedTerrain::drawn(const Place& place, const std::shared_ptr<const TileWindows>& windows,
+                    const PostRect& there)
+{
+    const DemTile& dem = windows->tile;
+    osg::ref_ptr<osgTerrain::Locator> onGlobe;
+    if (_globe)
+        onGlobe = _globe->locatorOf(*_source, place.level, windows->place);
+    osg::ref_ptr<DemData> data = new DemData(windows);
+    if (_globe)
+        data = withOwnPlane(*windows, there);
+    const osg::ref_ptr<osgTerrain::TerrainTile> terrain =
+        drawnTile(dem, std::ldexp(_source->middleEastSpacing(), place.level), data,
+                  coloursOf(place), onGlobe);
+    terrain->setTileID({_source->root() - place.level, place.x, place.y});
+    // Geometry is made here, not in the thread that draws.
+    terrain->init(osgTerrain::TerrainTile::ALL_DIRTY, false);
+    const double widest = widestCell(dem);
+    // A coarser tile's edge is a chord beside the finer one's.
+    const double sagitta = _globe ? 2.0 * widest * widest / _globe->radius() : 0.0;
+    addSkirt(*terrain, dem, skirtOf(dem) + static_cast<float>(sagitta));
+    BufferObjects buffers;
+    terrain->accept(buffers);
+    if (_globe) // else made in the update traversal
+        addTileCoordinates(*terrain, buffers.parts);
+    const osg::ref_ptr<osg::MatrixTransform> placed = new osg::MatrixTransform(
+        _globe ? osg::Matrixd() : osg::Matrixd::translate(middleOf(place)));
+    placed->addChild(terrain);
+    return placed;
+}
+
+/// About what is drawn of a tile on a plane, and the cells along the longer of its axes' diameters.
+PagedTerrain::Sphere PagedTerrain::flatSphere(const Place& place, const DemTile& dem,
+                                              const PostRect& posts, const PostRect& there) const
+{
+    double lowest = std::numeric_limits<double>::max(), highest = -lowest;
+    for (int row = 0; row < dem.height(); ++row)
+        for (int column = 0; column < dem.width(); ++column)
+            if (dem.isValid(column, row))
+            {
+                lowest = std::min(lowest, double(dem.heightAt(column, row)));
+                highest = std::max(highest, double(dem.heightAt(column, row)));
+            }
+    const double east = std::ldexp(_source->middleEastSpacing(), place.level);
+    const double north = std::ldexp(_source->northSpacing(), place.level);
+    const osg::Vec3d shift(
+        east * (there.column - posts.column + 0.5 * (there.width - 1 - _source->cells())),
+        north * (there.row - posts.row + 0.5 * (there.height - 1 - _source->cells())),
+        0.5 * (lowest + highest));
+    const double flat = 0.5 * std::hypot(east * (there.width - 1), north * (there.height - 1));
+    return {middleOf(place) + shift, std::hypot(flat, 0.5 * (highest - lowest)),
+            2.0 * flat / std::max(east, north)};
+}
+
 /// Null where all of it is void.
 Result<osg::ref_ptr<osg::Node>> PagedTerrain::tile(const Place& place)
 {
@@ -128,66 +190,27 @@ Result<osg::ref_ptr<osg::Node>> PagedTerrain::tile(const Place& place)
     const DemTile& dem = (*windows)->tile;
     if (dem.validCount() == 0)
         return osg::ref_ptr<osg::Node>();
-    // The part of the tile that the raster has.
     const PostRect there = posts.clippedTo(_source->extent(place.level));
-    osg::ref_ptr<osgTerrain::Locator> onGlobe;
-    if (_globe)
-        onGlobe = _globe->locatorOf(*_source, place.level, posts);
-    osg::ref_ptr<DemData> data = new DemData(*windows);
-    if (_globe)
-        data = withOwnPlane(**windows, there);
-    const osg::ref_ptr<osgTerrain::TerrainTile> terrain =
-        drawnTile(dem, std::ldexp(_source->middleEastSpacing(), place.level), data,
-                  coloursOf(place), onGlobe);
-    terrain->setTileID({_source->root() - place.level, place.x, place.y});
-    // Geometry is made here, not in the thread that draws.
-    terrain->init(osgTerrain::TerrainTile::ALL_DIRTY, false);
-    const double widest = std::max({dem.eastSpacing(0), dem.eastSpacing(dem.height() - 1),
-                                    dem.eastSpacing(dem.height() / 2), dem.northSpacing});
-    // A coarser tile's edge is a chord beside the finer one's.
-    const double sagitta = _globe ? 2.0 * widest * widest / _globe->radius() : 0.0;
-    addSkirt(*terrain, dem, skirtOf(dem) + static_cast<float>(sagitta));
-    BufferObjects buffers;
-    terrain->accept(buffers);
-    if (_globe) // else made in the update traversal
-        addTileCoordinates(*terrain, buffers.parts);
-    const osg::Vec3d middle = middleOf(place);
-    const osg::ref_ptr<osg::MatrixTransform> placed =
-        new osg::MatrixTransform(_globe ? osg::Matrixd() : osg::Matrixd::translate(middle));
-    placed->addChild(terrain);
+    const osg::ref_ptr<osg::MatrixTransform> placed = drawn(place, *windows, there);
     if (place.level == 0)
         return osg::ref_ptr<osg::Node>(placed);
 
-    const auto [lowest, highest] = [&]
+    Sphere sphere;
+    if (_globe)
     {
-        std::pair<float, float> range{std::numeric_limits<float>::max(),
-                                      std::numeric_limits<float>::lowest()};
-        for (int row = 0; row < dem.height(); ++row)
-            for (int column = 0; column < dem.width(); ++column)
-                if (dem.isValid(column, row))
-                    range = {std::min(range.first, dem.heightAt(column, row)),
-                             std::max(range.second, dem.heightAt(column, row))};
-        return range;
-    }();
+        const osg::BoundingSphere& bound = placed->getBound();
+        const double radius = double(bound.radius());
+        sphere = {bound.center(), radius, 2.0 * radius / widestCell(dem)};
+    }
+    else
+        sphere = flatSphere(place, dem, posts, there);
     const osg::ref_ptr<osg::PagedLOD> node = new osg::PagedLOD;
-    const double east = std::ldexp(_source->middleEastSpacing(), place.level);
-    const double north = std::ldexp(_source->northSpacing(), place.level);
-    const double flat = 0.5 * std::hypot(east * (there.width - 1), north * (there.height - 1));
-    const osg::Vec3d shift(
-        east * (there.column - posts.column + 0.5 * (there.width - 1 - _source->cells())),
-        north * (there.row - posts.row + 0.5 * (there.height - 1 - _source->cells())),
-        0.5 * (static_cast<double>(lowest) + static_cast<double>(highest)));
-    const double radius =
-        std::hypot(flat, 0.5 * (static_cast<double>(highest) - static_cast<double>(lowest)));
     node->setCenterMode(osg::LOD::USER_DEFINED_CENTER);
-    const osg::BoundingSphere bent = _globe ? placed->getBound() : osg::BoundingSphere();
-    node->setCenter(_globe ? bent.center() : osg::BoundingSphere::vec_type(middle + shift));
-    node->setRadius(_globe ? bent.radius() : static_cast<osg::LOD::value_type>(radius));
+    node->setCenter(sphere.centre);
+    node->setRadius(static_cast<osg::LOD::value_type>(sphere.radius));
     // OSG's pixels are those of the diameter.
     node->setRangeMode(osg::LOD::PIXEL_SIZE_ON_SCREEN);
-    const float pixels =
-        _globe ? static_cast<float>(pixelsPerCell * 2.0 * double(bent.radius()) / widest)
-               : static_cast<float>(pixelsPerCell * 2.0 * flat / std::max(east, north));
+    const float pixels = static_cast<float>(pixelsPerCell * sphere.cells);
     node->addChild(placed, 0.0f, pixels);
     node->setFileName(1, std::to_string(place.level) + "/" + std::to_string(place.x) + "/" +
                              std::to_string(place.y));

@@ -7,6 +7,7 @@
 #include <osgTerrainLight/LightingSettings.h>
 
 #include <osg/BoundingBox>
+#include <osg/MatrixTransform>
 #include <osg/Node>
 #include <osgDB/Callbacks>
 #include <osgDB/Options>
@@ -20,6 +21,8 @@
 
 namespace osgTerrainLight
 {
+
+struct TileWindows;
 
 /// A picture that is draped over terrain.
 struct DrapedColour
@@ -63,6 +66,18 @@ public:
 private:
     ~PagedTerrain() override = default;
     Result<osg::ref_ptr<osg::Node>> tile(const Place& place);
+    osg::ref_ptr<osg::MatrixTransform> drawn(const Place& place,
+                                             const std::shared_ptr<const TileWindows>& windows,
+                                             const PostRect& there);
+    /// What says when a tile's children are drawn in its place.
+    struct Sphere
+    {
+        osg::Vec3d centre; ///< in the frame of the nodes
+        double radius;     ///< [m]
+        double cells;      ///< that its diameter is long
+    };
+    Sphere flatSphere(const Place& place, const DemTile& dem, const PostRect& posts,
+                      const PostRect& there) const;
     osg::Vec3d middleOf(const Place& place) const;
     std::vector<ColourImage> coloursOf(const Place& place);
 

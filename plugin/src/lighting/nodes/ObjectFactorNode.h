@@ -1,25 +1,23 @@
 #pragma once
 
-#include "gpu/WorkGraph.h"
-#include "lighting/TileInputs.h"
-#include "lighting/TileSurface.h"
+#include "lighting/nodes/AmongObjectsNode.h"
+#include "lighting/nodes/ObjectRadiosityNode.h"
+
+#include <vector>
 
 namespace osgTerrainLight
 {
 
-/// What placed objects leave of the light of a tile's ground, at texels of their own around each
-/// volume of TileInputs::objects (object_factor.comp).
-class ObjectFactorNode : public Node
+/// What placed objects leave of the light of a tile's ground, and send to it, at texels of its own
+/// around each volume of TileInputs::objects (object_factor.comp).
+class ObjectFactorNode : public AmongObjectsNode
 {
 public:
-    /// What the factor is of. horizon: of the sky, null where the method has none; skyPicture: of
-    /// SkyTableNode.
-    struct Light
-    {
-        Resource *direct, *shading, *horizon, *skyPicture;
-    };
-    ObjectFactorNode(const TileInputs& inputs, const TileSurface& surface, const Light& light,
-                     Resource* factor);
+    using Radiosities = std::vector<osg::ref_ptr<ObjectRadiosityNode>>;
+
+    /// sent: what objects send, of each volume; empty: nothing.
+    ObjectFactorNode(const TileInputs& inputs, const TileSurface& surface,
+                     const ObjectSurroundings& light, Radiosities sent, Resource* factor);
 
     Status run(osg::State& state) override;
 
@@ -28,13 +26,9 @@ public:
 
 private:
     ~ObjectFactorNode() override = default;
-    void setCones();
     Status dispatch(osg::State& state, const TileObject& object);
 
-    osg::ref_ptr<const TileInputs> _inputs;
-    osg::ref_ptr<const TileSurface> _surface;
-    bool _hasHorizon;
-    GpuPass* _pass;
+    Radiosities _sent;
 };
 
 } // namespace osgTerrainLight

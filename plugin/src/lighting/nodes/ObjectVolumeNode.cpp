@@ -26,6 +26,14 @@ osg::Vec4f vector(const glm::dvec3& xyz, double w)
             static_cast<float>(w)};
 }
 
+/// 8 bits of each colour, and an exponent that makes them a number that no GPU rounds or drops.
+int packed(const glm::dvec3& albedo)
+{
+    const auto code = [](double x)
+    { return static_cast<int>(std::lround(255.0 * std::clamp(x, 0.0, 1.0))); };
+    return code(albedo.x) | code(albedo.y) << 8 | code(albedo.z) << 16 | 0x40 << 24;
+}
+
 /// The bits of an integer where the shader reads one.
 float asFloat(int value)
 {
@@ -41,13 +49,20 @@ ObjectVolumeNode::ObjectVolumeNode(const ObjectCluster& cluster)
     : Node("objects"), _cluster(cluster), _shapesValue(own(new Resource("shapes of objects"))),
       _volume(own(new Resource("distances to objects", {cluster.voxels.x, cluster.voxels.y, 0,
                                                         GL_R8_SNORM, cluster.voxels.z}))),
+      _albedo(own(new Resource("albedo of objects",
+                               {cluster.voxels.x / ObjectCluster::cell,
+                                cluster.voxels.y / ObjectCluster::cell, 0, GL_RGBA16F_ARB,
+                                cluster.voxels.z / ObjectCluster::cell}))),
       _pass(own(new GpuPass("object_volume")))
 {
     // It is drawn with, and what has moved is seen in it as a whole.
     _volume->keepWhole();
+    _albedo->keepWhole();
     reads(_shapesValue);
     writes(_volume);
+    writes(_albedo);
     _pass->writes(0, _volume);
+    _pass->writes(1, _albedo);
     _pass->set("voxel", static_cast<float>(cluster.voxel));
     _pass->set("reach", static_cast<float>(cluster.voxel * ObjectCluster::reach));
 }
@@ -131,7 +146,8 @@ void ObjectVolumeNode::setShapes()
         values->push_back(vector(size, static_cast<double>(shape.kind)));
         const ObjectBounds bounds = boundsOf(shape);
         values->push_back(vector(bounds.low - _cluster.origin, own.scale));
-        values->push_back(vector(bounds.high - _cluster.origin, 0.0));
+        values->push_back(
+            vector(bounds.high - _cluster.origin, double(asFloat(packed(shape.albedo)))));
         if (shape.form)
         {
             const SampledForm& form = *shape.form;

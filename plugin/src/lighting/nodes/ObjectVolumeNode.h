@@ -25,6 +25,9 @@ public:
 
     /// R8_SNORM: distance over ObjectCluster::reach voxels, −1 … 1; 1 where nothing is nearer.
     Resource* volume() const { return _volume; }
+    /// RGBA16F, a texel per cell of ObjectCluster::cell voxels a side: albedo of the nearest
+    /// object.
+    Resource* albedo() const { return _albedo; }
     /// Whether it holds distances to all shapes of some run. In any thread.
     bool isWritten(unsigned context) const { return _complete.has(context); }
     /// Whether it does in all contexts in which the other does.
@@ -48,7 +51,7 @@ private:
     void setForms();
 
     ObjectCluster _cluster;
-    Resource *_shapesValue, *_volume;
+    Resource *_shapesValue, *_volume, *_albedo;
     GpuPass* _pass;
     struct Written
     {
