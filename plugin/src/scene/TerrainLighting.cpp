@@ -130,7 +130,7 @@ void TerrainLighting::Implementation::update(unsigned updatesBelow, const osg::F
         textureRevision = scheduler->textureRevision();
         registry.forEach([this](SceneTile& tile) { binder.followTextures(tile); });
     }
-    terrain.fades.update(stamp);
+    terrain.fades.update(stamp, scheduler->enabled);
     followObjects();
     if (probes.follow(registry))
         scheduler->touch();

@@ -1,6 +1,7 @@
 #include "terrain/PagedTerrain.h"
 
 #include "lighting/TileWindows.h"
+#include "scene/FadingLod.h"
 #include "scene/TerrainTileReader.h"
 #include "terrain/DrawnTile.h"
 
@@ -169,7 +170,7 @@ Result<osg::ref_ptr<osg::Node>> PagedTerrain::tile(const Place& place)
                              std::max(range.second, dem.heightAt(column, row))};
         return range;
     }();
-    const osg::ref_ptr<osg::PagedLOD> node = new osg::PagedLOD;
+    const osg::ref_ptr<osg::PagedLOD> node = new FadingLod;
     const double east = std::ldexp(_source->middleEastSpacing(), place.level);
     const double north = std::ldexp(_source->northSpacing(), place.level);
     const double flat = 0.5 * std::hypot(east * (there.width - 1), north * (there.height - 1));
