@@ -19,6 +19,9 @@ uniform bool sending;
 uniform sampler3D radiosity;
 uniform sampler2D groundShare;
 uniform float slabVoxels; // of a slab of `radiosity` along z
+uniform int lampCount;
+uniform vec4 lamps[16]; // centre [m] in the volume's frame, radius [m]
+uniform vec3 lampRadiances[16];
 
 uniform ivec2 size; // posts
 uniform int frame;
@@ -97,7 +100,7 @@ Slope horizonSlope(vec2 place, vec3 axis)
 vec3 skyTowards(vec3 axis)
 {
 #ifdef SKY_PICTURE
-    return textureLod(sky, vec2(atan(axis.y, axis.x) / (2.0 * PI) + 1.0,
+    return textureLod(sky, vec2(fract(atan(axis.y, axis.x) / (2.0 * PI)),
                                 asin(clamp(axis.z, 0.0, 1.0)) / HALF_PI), 0.0).rgb;
 #else
     return vec3(1.0);
@@ -146,12 +149,22 @@ vec3 sentByObjects(vec3 place, ConesSeen look)
     for (int i = 0; i < look.count; ++i)
         if (look.seen.light[i] < 0.999)
         {
-            vec3 near = nearestOnObject(volume, field,
+            vec3 met = nearestOnObject(volume, field,
                                         place + look.axes[i].xyz * look.seen.along[i]);
             sent += (1.0 - look.seen.light[i]) *
-                    ambientCubeRadiance(radiosity, slabs, near, -look.axes[i].xyz);
+                    ambientCubeRadiance(radiosity, slabs, met, -look.axes[i].xyz);
         }
     return sent / float(look.count);
+}
+
+// Irradiance / pi.
+vec3 lampsOn(vec3 place, vec3 normal)
+{
+    vec3 light = vec3(0.0);
+    for (int i = 0; i < lampCount; ++i)
+        light += lampRadiances[i] * lampAmongObjects(volume, objectField(), place, normal,
+                                                     lamps[i].xyz, lamps[i].w);
+    return light;
 }
 
 // Irradiance / pi by the sun that a normal receives; seen: the fraction that the terrain leaves.
@@ -163,7 +176,7 @@ vec3 sunOn(vec3 place, vec3 normal, float seen)
         return vec3(0.0);
     return sunIrradiance * (seen * facing / PI *
                             discAmongObjects(volume, objectField(), place, normal, sunDirection,
-                                             sin(sunRadius)));
+                                             sin(sunRadius), 1.0e30));
 #else
     return vec3(0.0);
 #endif
@@ -201,11 +214,15 @@ vec4 shareOfGround(vec2 metres, float height)
     float facing = dot(normal, sunDirection);
     sun = min(sunIrradiance * (light.a * max(facing, 0.0) / PI), light.rgb);
     if (facing > 0.0)
-        ofSun = discAmongObjects(volume, objectField(), at, normal, sunDirection, sin(sunRadius));
+        ofSun = discAmongObjects(volume, objectField(), at, normal, sunDirection, sin(sunRadius),
+                                 1.0e30);
 #endif
     vec3 fromSky = max(light.rgb - sun, vec3(0.0));
     vec3 all = fromSky + sun + bounced;
-    vec3 left = fromSky * ofSky + sun * ofSun + bounced * ofGround + sentByObjects(at, look);
-    return vec4(mix(ofSky, left / max(all, vec3(1.0e-20)), greaterThan(all, vec3(1.0e-12))), ofSun);
+    vec3 left = fromSky * ofSky + sun * ofSun + bounced * ofGround + sentByObjects(at, look) +
+                lampsOn(at, normal);
+    // A lamp may give ten thousand times what is there without it, which half floats hold.
+    vec3 share = left / max(all, max(1.0e-4 * left, vec3(1.0e-20)));
+    return vec4(mix(ofSky, share, greaterThan(all, vec3(1.0e-12))), ofSun);
 }
 #endif

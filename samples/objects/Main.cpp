@@ -1,5 +1,5 @@
 // A village on a hill, all of it made up: houses with gabled roofs and eaves, trees, and a car that
-// drives around. Its ground, walls and roofs are lit as placed objects.
+// drives around, and a blob that deforms. Its ground, walls and roofs are lit as placed objects.
 // objects [--headless FILE.png] [--hour H]
 #include <osgTerrainLight/HeadlessContext.h>
 #include <osgTerrainLight/LightingHandler.h>
@@ -233,6 +233,89 @@ public:
     }
 };
 
+/// A blob on the green, whose vertices it moves in every frame. The library finds its form by
+/// itself: PlacedObject::Field::Star.
+class Blob : public osg::NodeCallback
+{
+public:
+    Blob()
+    {
+        const osg::ref_ptr<osg::DrawElementsUInt> triangles =
+            new osg::DrawElementsUInt(GL_TRIANGLES);
+        const auto at = [](int row, int column)
+        { return static_cast<GLuint>(row * (columns + 1) + column); };
+        for (int row = 0; row < rows; ++row)
+            for (int column = 0; column < columns; ++column)
+                for (const GLuint corner :
+                     {at(row, column), at(row, column + 1), at(row + 1, column + 1),
+                      at(row, column), at(row + 1, column + 1), at(row + 1, column)})
+                    triangles->push_back(corner);
+        const osg::ref_ptr<osg::Vec4Array> colour = new osg::Vec4Array;
+        colour->push_back({0.35f, 0.62f, 0.72f, 1.0f});
+        _geometry->setDataVariance(osg::Object::DYNAMIC);
+        _geometry->setUseVertexBufferObjects(true);
+        _geometry->setVertexArray(_vertices);
+        _geometry->setNormalArray(_normals, osg::Array::BIND_PER_VERTEX);
+        _geometry->setColorArray(colour, osg::Array::BIND_OVERALL);
+        _geometry->addPrimitiveSet(triangles);
+        deform(0.0);
+    }
+    osg::ref_ptr<PlacedObject> object()
+    {
+        const osg::ref_ptr<osg::Geode> geode = new osg::Geode;
+        geode->addDrawable(_geometry);
+        const osg::ref_ptr<PlacedObject> object = new PlacedObject;
+        object->setName("blob");
+        object->setField(PlacedObject::Field::Star);
+        object->addChild(geode);
+        geode->setUpdateCallback(this);
+        return object;
+    }
+    void operator()(osg::Node* node, osg::NodeVisitor* visitor) override
+    {
+        if (const osg::FrameStamp* stamp = visitor->getFrameStamp())
+            deform(stamp->getSimulationTime());
+        traverse(node, visitor);
+    }
+
+private:
+    static osg::Vec3d surface(double polar, double turn, double time)
+    {
+        const osg::Vec3d direction(std::sin(polar) * std::cos(turn),
+                                   std::sin(polar) * std::sin(turn), -std::cos(polar));
+        const double wave = std::sin(4.0 * direction.x() + 1.7 * time) +
+                            std::sin(5.0 * direction.y() - 1.1 * time) +
+                            std::sin(4.0 * direction.z() + 0.8 * time + direction.x());
+        return direction * (1.9 + 0.28 * wave) + osg::Vec3d(0.0, 0.0, 2.1);
+    }
+    void deform(double time)
+    {
+        _vertices->clear();
+        _normals->clear();
+        constexpr double step = 1.0e-3;
+        for (int row = 0; row <= rows; ++row)
+            for (int column = 0; column <= columns; ++column)
+            {
+                // Off the poles, where the normal of both angles is none.
+                const double polar = std::min(std::max(osg::PI * row / rows, step), osg::PI - step);
+                const double turn = 2.0 * osg::PI * column / columns;
+                const osg::Vec3d place = surface(polar, turn, time);
+                osg::Vec3d normal = (surface(polar, turn + step, time) - place) ^
+                                    (surface(polar + 0.5 * step, turn, time) - place);
+                normal.normalize();
+                _vertices->push_back(place);
+                _normals->push_back(normal);
+            }
+        _vertices->dirty();
+        _normals->dirty();
+        _geometry->dirtyBound();
+    }
+
+    static constexpr int rows = 32, columns = 48;
+    osg::ref_ptr<osg::Geometry> _geometry = new osg::Geometry;
+    osg::ref_ptr<osg::Vec3Array> _vertices = new osg::Vec3Array, _normals = new osg::Vec3Array;
+};
+
 using Objects = std::vector<osg::ref_ptr<PlacedObject>>;
 
 osg::ref_ptr<osg::MatrixTransform> placed(PlacedObject& object, double east, double north,
@@ -274,6 +357,7 @@ Objects addVillage(osg::Group& scene)
                                {3.5, 14.0, 8.5},   {-17.0, -14.0, 6.0}};
     for (const auto& each : trees)
         add(tree(float(each[2]), 0.3f * float(each[2])), each[0], each[1], 0.0);
+    add((new Blob)->object(), 3.0, -18.0, 0.0);
     const osg::ref_ptr<PlacedObject> driven = car();
     objects.push_back(driven);
     const osg::ref_ptr<osg::MatrixTransform> way = new osg::MatrixTransform(Drive::at(0.0));

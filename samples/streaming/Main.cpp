@@ -1,6 +1,7 @@
 // A flight over terrain of any size that is paged in and lit on the way, with what it costs on the
-// screen: streaming FILE [--headless] [--frames N] [--report FILE] FILE: what the plugin lights,
-// for instance country.vrt.terrainlight or map.earth.terrainlight.
+// screen: streaming FILE [--headless] [--frames N] [--report FILE] [--budget MILLISECONDS]. FILE:
+// what the plugin lights, for instance country.vrt.terrainlight or map.earth.terrainlight. Budget:
+// of light per frame; 0: all tiles that are there are lit in each frame.
 #include <osgTerrainLight/HeadlessContext.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
@@ -32,6 +33,7 @@ struct Options
     std::string file, report;
     bool headless = false;
     int frames = 600;
+    double budget = -1.0; ///< < 0: the default one
 };
 
 bool parse(osg::ArgumentParser& arguments, Options& options)
@@ -40,7 +42,8 @@ bool parse(osg::ArgumentParser& arguments, Options& options)
         "Flies over terrain that is paged in and lit on the way.");
     while (arguments.read("--headless"))
         options.headless = true;
-    while (arguments.read("--frames", options.frames) || arguments.read("--report", options.report))
+    while (arguments.read("--frames", options.frames) ||
+           arguments.read("--report", options.report) || arguments.read("--budget", options.budget))
     {
     }
     for (int i = 1; i < arguments.argc(); ++i)
@@ -51,8 +54,8 @@ bool parse(osg::ArgumentParser& arguments, Options& options)
     if (arguments.errors() || options.file.empty() || options.frames < 1)
     {
         std::cerr
-            << "streaming FILE [--headless] [--frames N] [--report FILE]: needs one FILE that "
-               "the plugin lights, and 1 frame or more\n";
+            << "streaming FILE [--headless] [--frames N] [--report FILE] [--budget MILLISECONDS]: "
+               "needs one FILE that the plugin lights, and 1 frame or more\n";
         return false;
     }
     return true;
@@ -200,6 +203,8 @@ int main(int argc, char** argv)
         return 1;
     }
 
+    if (options.budget >= 0.0)
+        finder.lighting->setTimeBudget(options.budget);
     std::unique_ptr<HeadlessContext> context;
     osgViewer::Viewer viewer;
     const osg::ref_ptr<osg::Group> root = new osg::Group;

@@ -30,6 +30,11 @@ uniform sampler2D osgTerrainLight_objectGround;
 // The ground's plane in the volume: height = x + y * east + z * north [m].
 uniform vec3 osgTerrainLight_objectPlane;
 
+// Objects that emit light: centre in the volume and radius [m], and radiance.
+uniform int osgTerrainLight_lampCount; // 0 ... 16
+uniform vec4 osgTerrainLight_lamps[16];
+uniform vec3 osgTerrainLight_lampRadiances[16];
+
 // The surface of a form that is drawn may lie within the form that distances are to, as that of a
 // house within its box: then the place outside that the normal leads to.
 vec3 terrainOutside(DistanceField field, vec3 place, vec3 normal)
@@ -109,10 +114,10 @@ vec3 terrainAmongObjects(DistanceField field, vec3 place, vec3 normal, vec3 open
                      : radiance);
         if (osgTerrainLight_hasObjectRadiosity && seen.light[i] < 0.999)
         {
-            vec3 near = nearestOnObject(osgTerrainLight_objectVolume, field,
+            vec3 met = nearestOnObject(osgTerrainLight_objectVolume, field,
                                         place + axes[i].xyz * seen.along[i]);
             sent += (1.0 - seen.light[i]) *
-                    ambientCubeRadiance(osgTerrainLight_objectRadiosity, slabs, near,
+                    ambientCubeRadiance(osgTerrainLight_objectRadiosity, slabs, met,
                                         -axes[i].xyz);
         }
     }
@@ -144,7 +149,13 @@ vec4 terrainObjectLight(vec3 place, vec3 normal)
         light.rgb = terrainAmongObjects(field, from, facing, light.rgb);
         if (cosine > 0.0 && light.a > 0.0)
             light.a *= discAmongObjects(osgTerrainLight_objectVolume, field, from, facing,
-                                        osgTerrainLight_sunDirection, osgTerrainLight_sunSine);
+                                        osgTerrainLight_sunDirection, osgTerrainLight_sunSine,
+                                        1.0e30);
+        for (int i = 0; i < osgTerrainLight_lampCount; ++i)
+            light.rgb += osgTerrainLight_lampRadiances[i] *
+                         lampAmongObjects(osgTerrainLight_objectVolume, field, from, facing,
+                                          osgTerrainLight_lamps[i].xyz,
+                                          osgTerrainLight_lamps[i].w);
     }
     light.rgb += osgTerrainLight_sunIrradiance * (light.a * cosine / PI);
     return light;

@@ -21,6 +21,13 @@ uniform mat4 osgTerrainLight_formerMatrix;     // from the tile's texture coordi
 uniform sampler2D osgTerrainLight_formerEdges; // as osgTerrainLight_edges
 uniform vec2 osgTerrainLight_formerPosts;      // texels of them; 0 where there are none
 
+// Along borders with tiles of a coarser level: more of the former light, that of a tile above.
+uniform bool osgTerrainLight_hasBorders;
+uniform vec4 osgTerrainLight_borders;       // parts of it: west, south, east, north
+uniform vec4 osgTerrainLight_borderCorners; // south-west, south-east, north-west, north-east
+uniform vec4 osgTerrainLight_drawn;         // texture coordinates of the outermost posts: low, high
+uniform vec2 osgTerrainLight_bands;         // of 8 posts, in the texture
+
 // What placed objects leave of the light, in texels of its own around each cluster of them.
 uniform int osgTerrainLight_objectCount; // of clusters on the tile, 0 ... 8
 // RGBA16F: of rgb, and of the visible sun; the clusters stand one below the other
@@ -132,21 +139,42 @@ vec4 terrainObjects(vec2 coordinate, float seen)
             place.y < corners.w)
         {
             vec4 here = terrainTexel(osgTerrainLight_objects, place);
-            left = mix(left * here, min(left, here), seen * (1.0 - left.a) * (1.0 - here.a));
+            // What they send adds up.
+            vec4 both = min(left, 1.0) * min(here, 1.0) *
+                        (max(left, 1.0) + max(here, 1.0) - 1.0);
+            left = mix(both, min(left, here), seen * (1.0 - left.a) * (1.0 - here.a));
         }
     }
     return left;
 }
 
+// Part of the former light, 0 ... 1: that of all of the tile, and more along borders, whose part
+// falls smoothly over a band. The largest counts: two tiles that meet have the same along their
+// border.
+float terrainFormerPart(vec2 coordinate)
+{
+    if (!osgTerrainLight_hasBorders)
+        return osgTerrainLight_formerPart;
+    vec2 low = max((coordinate - osgTerrainLight_drawn.xy) * osgTerrainLight_bands, 0.0);
+    vec2 high = max((osgTerrainLight_drawn.zw - coordinate) * osgTerrainLight_bands, 0.0);
+    vec4 corners = vec4(length(low), length(vec2(high.x, low.y)), length(vec2(low.x, high.y)),
+                        length(high));
+    vec4 most = max(osgTerrainLight_borders * (1.0 - smoothstep(0.0, 1.0, vec4(low, high))),
+                    osgTerrainLight_borderCorners * (1.0 - smoothstep(0.0, 1.0, corners)));
+    most.xy = max(most.xy, most.zw);
+    return max(osgTerrainLight_formerPart, max(most.x, most.y));
+}
+
 vec4 terrainFadedShading(vec2 coordinate)
 {
-    if (osgTerrainLight_formerPart <= 0.0)
+    float part = terrainFormerPart(coordinate);
+    if (part <= 0.0)
         return terrainOwnShading(coordinate);
     vec4 former = terrainFormerShading(coordinate);
     // Light that is not computed yet may be anything, NaN too.
-    if (osgTerrainLight_formerPart >= 1.0)
+    if (part >= 1.0)
         return former;
-    return mix(terrainOwnShading(coordinate), former, osgTerrainLight_formerPart);
+    return mix(terrainOwnShading(coordinate), former, part);
 }
 
 // Scene-linear. Bilinear between posts, but for the edge of the sun's shadow where it is on.

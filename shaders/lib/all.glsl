@@ -13,6 +13,7 @@
 #include "line_history.glsl"
 #include "environment.glsl"
 #include "distance.glsl"
+#include "sampled_form.glsl"
 #include "object_light.glsl"
 #include "ambient_cube.glsl"
 #include "normal_samples.glsl"

@@ -30,10 +30,11 @@ vec3 objectNormal(DistanceVolume volume, DistanceField field, vec3 place)
     vec3 slope = vec3(real(0.0));
     for (int axis = 0; axis < 3; ++axis)
     {
-        vec3 step = vec3(real(0.0));
-        step[axis] = field.voxel;
-        slope[axis] = objectDistance(volume, field, place + step).x -
-                      objectDistance(volume, field, place - step).x;
+        vec3 aside = vec3(axis == 0 ? field.voxel : real(0.0),
+                          axis == 1 ? field.voxel : real(0.0),
+                          axis == 2 ? field.voxel : real(0.0));
+        slope += aside * (objectDistance(volume, field, place + aside).x -
+                          objectDistance(volume, field, place - aside).x);
     }
     real steepest = sqrt(dot(slope, slope));
     return steepest > real(0.0) ? slope / steepest : vec3(real(0.0), real(0.0), real(1.0));
@@ -171,12 +172,12 @@ ConesOpen conesAmongObjects(DistanceVolume volume, DistanceField field, vec3 pla
 }
 
 // Visible share of a disc, 0 ... 1. direction: unit; sine: of the disc's radius. normal: unit, of
-// the surface that the place is on.
+// the surface that the place is on. What is farther away than `most` [m] does not count.
 real discAmongObjects(DistanceVolume volume, DistanceField field, vec3 place, vec3 normal,
-                      vec3 direction, real sine)
+                      vec3 direction, real sine, Length most)
 {
     vec3 from = place + normal * (real(0.1) * field.voxel);
-    Length end = objectsEnd(field, from, direction, real(0.0));
+    Length end = min(objectsEnd(field, from, direction, real(0.0)), most);
     Length along = field.voxel;
     real open = real(1.0);
     for (int step = 0; step < 256 && along < end && open > real(-1.0); ++step)
@@ -188,4 +189,26 @@ real discAmongObjects(DistanceVolume volume, DistanceField field, vec3 place, ve
         along += max(abs(distance), real(0.5) * field.voxel);
     }
     return shareOfDisc(open);
+}
+
+// Irradiance / pi, over its radiance, by a lamp that is one of the objects: a sphere that others
+// may hide. Where it is partly below the surface's horizon it counts as a disc.
+real lampAmongObjects(DistanceVolume volume, DistanceField field, vec3 place, vec3 normal,
+                      vec3 centre, Length radius)
+{
+    vec3 way = centre - place;
+    Length away = sqrt(dot(way, way));
+    if (away <= real(1.01) * radius) // it is its own surface
+        return real(0.0);
+    real sine = radius / away;
+    real above = dot(normal, way) / (away * sine); // its centre, over its radius
+    if (above <= real(-1.0))
+        return real(0.0);
+    real u = min(above, real(1.0));
+    real part = sqrt(real(1.0) - u * u) * (real(2.0) + u * u) / (real(3.0) * PI) +
+                u * (real(1.0) - acos(u) / PI);
+    real light = sine * sine * sine * max(above, part);
+    // As far as the lamp itself does not come into the way.
+    return light * discAmongObjects(volume, field, place, normal, way / away, sine,
+                                    (away - radius) / (real(1.0) + sine));
 }

@@ -1,7 +1,7 @@
 // What the surfaces of placed objects send after a bounce, from what they and the ground among them
-// sent after one less: the light of sky and sun at first. A cell of 4 x 4 x 4 voxels has a texel in
-// each of six slabs (lib/ambient_cube.glsl), with what is sent by the surface in it, or next to it,
-// that faces one way along an axis. In a last slice is the ground below a cell.
+// sent after one less: the light of sky, sun and lamps at first. A cell of 4 x 4 x 4 voxels has a
+// texel in each of six slabs (lib/ambient_cube.glsl), with what is sent by the surface in it, or
+// next to it, that faces one way along an axis. In a last slice is the ground below a cell.
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
 
 // RGBA16F: radiance times how much the surface faces that way, and that; 0 where there is none
@@ -65,7 +65,7 @@ vec3 lightOn(vec3 place, vec3 normal)
         light += look.seen.light[i] * radiance;
     }
     light /= float(look.count);
-    light += sentByObjects(place, look);
+    light += sentByObjects(place, look) + lampsOn(place, normal);
     return light + sunOn(place, normal, textureLod(direct, texelOf(post), 0.0).a);
 }
 
@@ -98,7 +98,7 @@ void main()
         if (faces > 0.1)
         {
             vec3 radiance = texelFetch(albedos, cell, 0).rgb * lightOn(surface.xyz, normal);
-            sends = faces * vec4(radiance, 1.0);
+            sends = faces * vec4(min(radiance, vec3(6.0e4)), 1.0);
         }
     }
     imageStore(sent, to, sends);

@@ -10,11 +10,16 @@ layout(rgba16f, binding = 1) writeonly uniform image3D albedo;
 struct Shape
 {
     vec4 toOwn[3]; // from the volume's frame [m]; rows of a matrix
-    vec4 size;     // xyz; w: 0 box, 1 ellipsoid, 2 cylinder, 3 capsule, 4 mesh
-    vec4 low;      // of the bounds [m] in the volume's frame; w: metres per own unit of a mesh
-    vec4 high;     // w: bits of the albedo, 8 of each of rgb
-    vec4 grid;     // of a mesh: centre of the first voxel, and voxels' spacing [own units]
-    ivec4 voxels;  // of a mesh: along x, y, z, and where its first one stands in `distances`
+    vec4 size;     // xyz, or the range of a form; w: 0 box, 1 ellipsoid, 2 cylinder, 3 capsule,
+                   // 4 mesh, 5 star, 6 heights
+    vec4 low;      // of the bounds [m] in the volume's frame; w: metres per own unit of what is
+                   // sampled
+    vec4 high;
+    vec4 albedo;   // rgb
+    vec4 grid;     // of a mesh: centre of the first voxel, and voxels' spacing [own units]; of
+                   // heights: the first post and the posts' spacing along x and y
+    ivec4 voxels;  // of a mesh: along x, y, z, and where its first one stands in `distances`; of
+                   // a form: its side and its row in `forms`
 };
 layout(std430, binding = 0) readonly buffer Shapes
 {
@@ -29,6 +34,7 @@ layout(std430, binding = 2) readonly buffer Distances
     float distances[]; // [own units], x fastest, then y, then z
 };
 
+uniform sampler2D forms; // samples: radii, heights [own units]
 uniform int shapeCount;
 uniform float voxel; // [m]
 uniform float reach; // [m]
@@ -60,6 +66,20 @@ Length gridDistance(Shape shape, vec3 place)
            shape.grid.w * distance(at, inside);
 }
 
+// [own units]
+Length formDistance(Shape shape, vec3 place)
+{
+    SampledForm form;
+    form.side = shape.voxels.x;
+    form.row = shape.voxels.y;
+    form.first = shape.grid.xy;
+    form.spacing = shape.grid.zw;
+    form.range = shape.size.xy;
+    Length near = reach / shape.low.w;
+    return int(shape.size.w) == 5 ? starDistance(forms, form, place, near)
+                                  : columnsDistance(forms, form, place, near);
+}
+
 Length shapeDistance(Shape shape, vec3 place)
 {
     vec4 p = vec4(place, 1.0);
@@ -74,7 +94,7 @@ Length shapeDistance(Shape shape, vec3 place)
     if (kind == 3)
         return capsuleDistance(own, vec3(0.0, 0.0, -shape.size.z), vec3(0.0, 0.0, shape.size.z),
                                shape.size.x);
-    return shape.low.w * gridDistance(shape, own);
+    return shape.low.w * (kind == 4 ? gridDistance(shape, own) : formDistance(shape, own));
 }
 
 void main()
@@ -112,6 +132,5 @@ void main()
     for (int z = 0; z < 4; ++z)
         imageStore(volume, mine + ivec3(0, 0, z), vec4(max(least[z] / reach, -1.0)));
     if (mine.x % 4 == 2 && mine.y % 4 == 2)
-        imageStore(albedo, mine / 4, vec4(unpackUnorm4x8(floatBitsToUint(shapes[owner].high.w)).rgb,
-                                          1.0));
+        imageStore(albedo, mine / 4, shapes[owner].albedo);
 }

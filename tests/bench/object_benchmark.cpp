@@ -1,11 +1,13 @@
 // 64 boxes that move in every frame, on 32 m of ground: composing their volume of 128 x 128 x 128
-// voxels, the factor of the ground, and frames that draw ground and boxes.
+// voxels, the factor of the ground, and frames that draw ground and boxes; and forms that deform.
 #include <osgTerrainLight/HeadlessContext.h>
 #include <osgTerrainLight/PlacedObject.h>
 #include <osgTerrainLight/TerrainLighting.h>
 
+#include "fields/SampledForm.h"
 #include "lighting/ObjectLight.h"
 #include "lighting/TileLight.h"
+#include "support/SampledBodies.h"
 #include "terrain/TerrainModel.h"
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -89,6 +91,37 @@ void volumeOfMovingBoxes(benchmark::State& state)
     const glm::ivec3 voxels = light->placed().at(0).cluster.voxels;
     state.counters["clusters"] = static_cast<double>(light->placed().size());
     state.counters["voxels"] = static_cast<double>(voxels.x * voxels.y * voxels.z);
+    state.counters["bytes"] = static_cast<double>(light->bytes());
+    light->releaseGLObjects(&context->state());
+}
+
+/// A blob 5 m wide, or a rock 8 m wide between two height fields, that deforms in every frame: from
+/// its triangles on. range: 0 the blob, 1 the rock.
+void volumeOfDeformingForm(benchmark::State& state)
+{
+    const auto context = contextFor(state, 16);
+    if (!context)
+        return;
+    const osg::ref_ptr<ObjectLight> light = new ObjectLight;
+    std::vector<TriangleMesh> meshes;
+    for (int i = 0; i < 8; ++i)
+        meshes.push_back(state.range(0) == 0 ? bodies::Blob{0.25, 0.2 * i, 2.5}.mesh(32)
+                                             : bodies::Mound{2.0, 0.2 * i, 4.0, true}.mesh(32));
+    std::size_t frame = 0, bricks = 0;
+    for (auto _ : state)
+    {
+        ObjectShape shape;
+        shape.kind = state.range(0) == 0 ? ObjectShape::Kind::Star : ObjectShape::Kind::Heights;
+        const TriangleMesh& mesh = meshes[frame++ % meshes.size()];
+        shape.form =
+            state.range(0) == 0 ? sampleStar(mesh) : sampleHeights(mesh, HeightSurfaces::Both);
+        light->set({shape});
+        if (!light->update(context->state()))
+            state.SkipWithError("no volume");
+        glFinish();
+        bricks = light->placed().at(0).node->bricks();
+    }
+    state.counters["bricks"] = static_cast<double>(bricks);
     state.counters["bytes"] = static_cast<double>(light->bytes());
     light->releaseGLObjects(&context->state());
 }
@@ -180,5 +213,6 @@ void frameOfBoxes(benchmark::State& state)
 } // namespace
 
 BENCHMARK(volumeOfMovingBoxes)->Arg(1)->Arg(8)->Arg(64)->Unit(benchmark::kMillisecond);
+BENCHMARK(volumeOfDeformingForm)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(factorOfMovingBoxes)->Unit(benchmark::kMillisecond);
 BENCHMARK(frameOfBoxes)->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);

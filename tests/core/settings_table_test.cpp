@@ -106,9 +106,9 @@ TEST(SettingsTableRows, CoverEveryMember)
 {
     // These do not compile once a member is added: then the table needs a row for it.
     [[maybe_unused]] const auto& [azimuths, quality, bounces, method, subsampling, interval, albedo,
-                                  gloss, exponent, transfer, viewer, edges, radius, exposure] =
-        LightingSettings();
-    EXPECT_EQ(settingsOf<LightingSettings>().size(), 14u);
+                                  gloss, exponent, transfer, viewer, edges, cones, radius,
+                                  exposure] = LightingSettings();
+    EXPECT_EQ(settingsOf<LightingSettings>().size(), 15u);
     [[maybe_unused]] const auto& [sky, model, skyRadiance, turbidity, environment, heading, gain,
                                   harmonics, keys, sun, sunAzimuth, sunElevation, irradiance,
                                   sunRadius] = SkyLight();

@@ -1,4 +1,5 @@
 #include "core/ConeSet.h"
+#include "support/ConeLight.h"
 #include "support/Precisions.h"
 
 #include <gtest/gtest.h>
@@ -140,11 +141,6 @@ typename Glsl<Real>::DistanceField fieldOf(const Scene& scene)
     return field;
 }
 
-struct Receiver
-{
-    glm::dvec3 place, normal;
-};
-
 /// On the ground and on the boxes' faces, in the open.
 std::vector<Receiver> receiversOf(const Scene& scene, int count, unsigned seed)
 {
@@ -198,46 +194,6 @@ double skyBy(const Scene& scene, const Receiver& receiver)
                              { return box.stops(receiver.place + receiver.normal * 1.0e-6, ray); });
         }
     return double(seen) / (strata * strata);
-}
-
-/// The same by cones; the ground is level, so the part of a tilted face's light that the horizontal
-/// leaves is known: (1 + cos) / 2.
-template <class Real>
-double skyByCones(const Volume<Real>& volume, const typename Glsl<Real>::DistanceField& field,
-                  const Receiver& receiver, const ConeSet& set)
-{
-    CheckedGlsl<Real> glsl;
-    using G = CheckedGlsl<Real>;
-    typename CheckedGlsl<Real>::DistanceField own;
-    own.size = field.size;
-    own.voxel = field.voxel;
-    own.reach = field.reach;
-    own.low = field.low;
-    own.high = field.high;
-    const typename G::vec3 place(receiver.place), normal(receiver.normal);
-    typename G::vec4 axes[32] = {};
-    unsigned around[32] = {};
-    Real weights[32] = {};
-    const int count = int(set.cones.size());
-    for (int i = 0; i < count; ++i)
-    {
-        const ConeSet::Cone& cone = set.cones[std::size_t(i)];
-        const auto axis =
-            glsl.aboutNormal(typename G::vec3(cone.axis[0], cone.axis[1], cone.axis[2]), normal);
-        axes[i] = typename G::vec4(axis, Real(cone.sine));
-        around[i] = cone.around;
-        weights[i] = glsl.coneAboveHorizon(axis, Real(cone.sine), Real(0));
-    }
-    const typename G::vec4 fit(set.fit[0], set.fit[1], set.fit[2], set.fit[3]);
-    const auto cones = glsl.conesAmongObjects(volume, own, place, normal, axes, around, weights,
-                                              count, Real(set.stride), fit);
-    double light = 0.0, all = 0.0;
-    for (int i = 0; i < count; ++i)
-    {
-        light += double(weights[i]) * double(cones.light[i]);
-        all += double(weights[i]);
-    }
-    return light / all * 0.5 * (1.0 + receiver.normal.z);
 }
 
 struct Errors
@@ -377,7 +333,7 @@ TEST(ObjectLight, TheSunsShadowEndsWithinAVoxel)
     const double sine = std::sin(0.2666 * pi / 180.0);
     const glm::dvec3 up(0, 0, 1), sun = glm::normalize(glm::dvec3(1, 0, 1));
     const auto seen = [&](const glm::dvec3& place)
-    { return glsl.discAmongObjects(volume, field, place, up, sun, sine); };
+    { return glsl.discAmongObjects(volume, field, place, up, sun, sine, 1.0e30); };
     // The sun stands in the east; the box's western face is at x = 14.
     double edge = 14.0;
     while (edge > 5.0 && seen({edge - 0.005, 16, 0}) < 0.5)
@@ -389,7 +345,8 @@ TEST(ObjectLight, TheSunsShadowEndsWithinAVoxel)
         EXPECT_GT(seen({x, 16, 0}), 0.99) << x;
     EXPECT_EQ(seen({25, 16, 0}), 1.0);
     EXPECT_EQ(seen({16, 4, 0}), 1.0);
-    EXPECT_GT(glsl.discAmongObjects(volume, field, {16, 16, 3}, up, sun, sine), 0.99) << "roof";
+    EXPECT_GT(glsl.discAmongObjects(volume, field, {16, 16, 3}, up, sun, sine, 1.0e30), 0.99)
+        << "roof";
 }
 
 // The axes that are turned from +z stay unit vectors at the same angle from the normal.
@@ -443,4 +400,44 @@ TEST(ConeSets, ShareTheHemisphereByTheCosine)
     EXPECT_NEAR(set.cones[7].sine, 0.323f, 5.0e-4f);
     EXPECT_NEAR(std::acos(double(set.cones[1].axis[2])) * 180.0 / pi, 30.0, 0.05);
     EXPECT_NEAR(std::acos(double(set.cones[7].axis[2])) * 180.0 / pi, 58.0, 0.05);
+}
+
+// With nothing in the way. Expected: by 400 x 400 directions of the sphere, those above the
+// surface's horizon, with the cosine.
+TEST(ObjectLight, OfALampIsThatOfASphere)
+{
+    CheckedGlsl<double> glsl;
+    const Scene scene = {{{16, 16, 20.0}, {0.5, 0.5, 0.5}, 0.0}};
+    const auto volume = volumeOf<double>(scene);
+    const auto given = fieldOf<double>(scene);
+    CheckedGlsl<double>::DistanceField field{given.size, given.voxel, given.reach, given.low,
+                                             given.high};
+    const glm::dvec3 place(16, 16, 1), normal(0, 0, 1);
+    for (const double away : {1.5, 3.0, 8.0})
+        for (const double elevation : {-20.0, -5.0, 0.0, 5.0, 20.0, 60.0, 90.0})
+        {
+            constexpr double radius = 0.5;
+            const double up = elevation * pi / 180.0, sine = radius / away;
+            const glm::dvec3 axis(std::cos(up), 0.0, std::sin(up));
+            const glm::dvec3 other(-axis.z, 0.0, axis.x), third(0.0, 1.0, 0.0);
+            const double depth = 1.0 - std::sqrt(1.0 - sine * sine); // 1 - cosine of its edge
+            double expected = 0.0;
+            constexpr int strata = 400;
+            for (int i = 0; i < strata; ++i)
+                for (int j = 0; j < strata; ++j)
+                {
+                    const double along = 1.0 - depth * (i + 0.5) / strata;
+                    const double across = std::sqrt(1.0 - along * along);
+                    const double turn = 2.0 * pi * (j + 0.5) / strata;
+                    const glm::dvec3 ray =
+                        axis * along + across * (other * std::cos(turn) + third * std::sin(turn));
+                    expected += std::max(ray.z, 0.0);
+                }
+            expected *= 2.0 * depth / (strata * strata); // solid angle 2 pi depth, over pi
+            const double found =
+                glsl.lampAmongObjects(volume, field, place, normal, place + away * axis, radius);
+            EXPECT_NEAR(found, expected, 0.02 * sine * sine * sine + 1.0e-4 * sine * sine)
+                << away << " m, " << elevation << " degrees";
+        }
+    EXPECT_EQ(glsl.lampAmongObjects(volume, field, place, normal, place, 0.5), 0.0) << "itself";
 }

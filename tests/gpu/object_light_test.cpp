@@ -1,10 +1,14 @@
 #include "fields/ObjectClusters.h"
+#include "fields/ObjectLamps.h"
+#include "fields/SampledForm.h"
 #include "gpu/GlConstants.h"
 #include "gpu/Textures.h"
 #include "lighting/TileLight.h"
 #include "lighting/nodes/ObjectVolumeNode.h"
 #include "reference/PathTracer.h"
 #include "support/GlContext.h"
+#include "support/Precisions.h"
+#include "support/SampledBodies.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
@@ -151,6 +155,117 @@ TEST(ObjectVolume, IsMadeAnewAfterARelease)
 namespace
 {
 
+ObjectShape formShape(std::shared_ptr<const SampledForm> form, ObjectShape::Kind kind,
+                      const glm::dmat4& toScene)
+{
+    ObjectShape shape;
+    shape.kind = kind;
+    shape.toScene = glm::translate(toScene, form->centre);
+    shape.form = std::move(form);
+    return shape;
+}
+
+/// The same functions as C++, in double.
+double formDistance(const ObjectShape& shape, const glm::dvec3& place, double reach)
+{
+    using G = CheckedGlsl<double>;
+    const SampledForm& form = *shape.form;
+    Raster<double> values(form.values.width(), form.values.height());
+    std::copy(form.values.values().begin(), form.values.values().end(), values.values().begin());
+    G::SampledForm own;
+    own.row = 0;
+    own.side = form.side;
+    own.first = form.first;
+    own.spacing = form.spacing;
+    own.range = form.range;
+    const RigidShape frame = rigid(shape);
+    const glm::dvec3 p(frame.fromScene * glm::dvec4(place, 1.0));
+    return frame.scale * (shape.kind == ObjectShape::Kind::Star
+                              ? G().starDistance(values, own, p, reach / frame.scale)
+                              : G().columnsDistance(values, own, p, reach / frame.scale));
+}
+
+/// Greatest difference at every third voxel along each axis.
+double greatestFormDifference(const std::vector<float>& found, const ObjectCluster& cluster)
+{
+    const double reach = cluster.voxel * ObjectCluster::reach;
+    double greatest = 0.0;
+    for (int z = 0; z < cluster.voxels.z; z += 3)
+        for (int y = 0; y < cluster.voxels.y; y += 3)
+            for (int x = 0; x < cluster.voxels.x; x += 3)
+            {
+                double least = reach;
+                for (const ObjectShape& shape : cluster.shapes)
+                    least = std::min(
+                        least,
+                        formDistance(shape,
+                                     cluster.origin + cluster.voxel * (glm::dvec3(x, y, z) + 0.5),
+                                     reach));
+                const auto i = std::size_t(x + cluster.voxels.x * (y + cluster.voxels.y * z));
+                greatest =
+                    std::max(greatest, std::abs(double(found[i]) - std::max(least / reach, -1.0)));
+            }
+    return greatest;
+}
+
+} // namespace
+
+// A star, a height field and a rock of two, turned and scaled, against the same functions as C++;
+// then the star deforms, and only what it touches is computed anew.
+TEST(ObjectVolume, HoldsTheDistancesOfFormsThatDeform)
+{
+    OTL_NEED_GL(context);
+    using Kind = ObjectShape::Kind;
+    const auto at = [](const glm::dvec3& place, double turn, double scale)
+    {
+        return glm::scale(glm::rotate(glm::translate(glm::dmat4(1.0), place), turn, {0, 0, 1}),
+                          glm::dvec3(scale));
+    };
+    const auto blob = [&](double phase)
+    {
+        return formShape(sampleStar(bodies::Blob{0.3, phase, 1.5}.mesh(24)), Kind::Star,
+                         at({7, 8, 2}, 0.4, 1.2));
+    };
+    std::vector<ObjectShape> shapes = {
+        blob(0.0),
+        formShape(sampleHeights(bodies::Mound{2.0, 1.0, 3.0}.mesh(24), HeightSurfaces::Upper),
+                  Kind::Heights, at({18, 8, 0}, 1.0, 1.0)),
+        formShape(sampleHeights(bodies::Mound{1.5, 2.0, 2.0, true}.mesh(24), HeightSurfaces::Both),
+                  Kind::Heights, at({18, 20, 3}, -0.3, 1.5))};
+    std::vector<ObjectCluster> clusters = clusterObjects(shapes, 0.25, 8);
+    ASSERT_EQ(clusters.size(), 1u);
+    VolumeGraph volume(clusters.front());
+    // Rounding turns which columns are looked at, and next to where four of a map's texels fold
+    // which of them make a normal; neither changes a distance by more than rounding does.
+    constexpr double most = stored + 1.0e-4;
+    EXPECT_LT(greatestFormDifference(volume.run(context->state()), clusters.front()), most);
+
+    const glm::ivec3 count = clusters.front().voxels / ObjectCluster::brick;
+    const auto all = std::size_t(count.x * count.y * count.z);
+    EXPECT_EQ(volume.node->bricks(), all);
+    for (int frame = 1; frame < 4; ++frame)
+    {
+        shapes[0] = blob(0.4 * frame);
+        clusters = clusterObjects(shapes, 0.25, 8, clusters);
+        ASSERT_TRUE(volume.node->cluster().sameVolume(clusters.front()));
+        volume.node->set(clusters.front());
+        EXPECT_LT(greatestFormDifference(volume.run(context->state()), clusters.front()), most);
+        // A box of 5 m and 2 m around, in bricks of 2 m.
+        EXPECT_LE(volume.node->bricks(), 6u * 6u * 5u);
+        EXPECT_LT(volume.node->bricks(), all / 2);
+        EXPECT_FALSE(volume.graph.isDirty(context->state().getContextID())) << "still: nothing";
+    }
+    clusters = clusterObjects({shapes[1], shapes[2]}, 0.25, 8, clusters);
+    if (volume.node->cluster().sameVolume(clusters.front()))
+    {
+        volume.node->set(clusters.front());
+        EXPECT_LT(greatestFormDifference(volume.run(context->state()), clusters.front()), most);
+    }
+}
+
+namespace
+{
+
 /// Level ground of 41 posts in 2 m, a uniform sky, and what else is asked.
 struct LitPlane
 {
@@ -263,6 +378,34 @@ TEST(ObjectFactor, OfABoxOnLevelGroundIsThatOfRays)
     // At its edge the factor is 1, in all channels; the sun is off.
     EXPECT_EQ(factor.at(0, 40), osg::Vec4f(1, 1, 1, 1));
     EXPECT_EQ(factor.at(40, 10).w(), 1.0f);
+}
+
+// A clear sky whose sun is in the north is that of one in the south, mirrored; and so is what a box
+// that is its own mirror image leaves of it.
+TEST(ObjectFactor, LooksWhereTheSkyIsBright)
+{
+    OTL_NEED_GL(context);
+    const auto clusters = clusterObjects({box({40, 40, 2}, {3, 4, 2})}, 0.25, 8);
+    TileObject object;
+    std::vector<Raster<osg::Vec4f>> factors;
+    for (const double azimuth : {0.0, 180.0})
+    {
+        LitPlane plane;
+        plane.sky.skyModel = SkyModel::Clear;
+        plane.sky.sunAzimuth = azimuth;
+        plane.sky.sunElevation = 15.0;
+        factors.push_back(factorOf(context->state(), plane, clusters.front(), object));
+    }
+    double greatest = 0.0, aside = 0.0;
+    for (int y = 12; y <= 68; ++y)
+        for (int x = 12; x <= 68; ++x)
+        {
+            const double north = double(factors[0].at(x, y).y());
+            greatest = std::max(greatest, std::abs(north - double(factors[1].at(x, 80 - y).y())));
+            aside = std::max(aside, std::abs(north - double(factors[1].at(x, y).y())));
+        }
+    EXPECT_GT(aside, 0.1) << "it matters where the sun is";
+    EXPECT_LT(greatest, 0.01);
 }
 
 namespace
@@ -492,4 +635,52 @@ TEST(ObjectBounce, OfARedWallOnAWhiteFloor)
             EXPECT_LE(percent(ofAll), 3.0) << each.name << ", " << bounces << " bounces";
         }
     }
+}
+
+// A lamp 3 m above level ground at dusk, beside a wall. Expected: the closed form of a sphere,
+// radiance times (radius over distance) squared times the cosine, and nothing behind the wall.
+TEST(ObjectLamp, LightsTheGround)
+{
+    OTL_NEED_GL(context);
+    LitPlane plane;
+    plane.sky.skyRadiance = {0.02f, 0.02f, 0.02f};
+    ObjectShape lamp;
+    lamp.kind = ObjectShape::Kind::Ellipsoid;
+    lamp.size = glm::dvec3(0.4);
+    lamp.toScene = glm::translate(glm::dmat4(1.0), glm::dvec3(40, 40, 3));
+    const ObjectShape wall = box({44, 40, 1}, {0.25, 6, 1.2});
+    TileObject object;
+    const auto unlit = clusterObjects({lamp, wall}, 0.25, 8);
+    const Raster<osg::Vec4f> without = factorOf(context->state(), plane, unlit.front(), object);
+    lamp.emission = {5.0, 4.0, 2.0};
+    const auto clusters = clusterObjects({lamp, wall}, 0.25, 8);
+    object.lamps = lampsOf(clusters.front().shapes);
+    ASSERT_EQ(object.lamps.size(), 1u);
+    EXPECT_NEAR(object.lamps[0].radius, 0.4, 1.0e-9);
+    object.lamps[0].centre -= clusters.front().origin;
+    const Raster<osg::Vec4f> with = factorOf(context->state(), plane, clusters.front(), object);
+    double worst = 0.0;
+    for (int x = 10; x <= 70; x += 2)
+        for (const int y : {30, 40, 44})
+        {
+            const glm::dvec3 place(object.first + object.pitch * glm::dvec2(x, y), 0.0);
+            const glm::dvec3 way = glm::dvec3(40, 40, 3) - place;
+            const double away = glm::length(way);
+            for (unsigned c = 0; c < 3; ++c)
+            {
+                const double found =
+                    0.02 * (double(with.at(x, y)[c]) - double(without.at(x, y)[c]));
+                const double expected = lamp.emission[int(c)] * 0.16 / (away * away) * way.z / away;
+                // Of two factors in half floats.
+                const double rounding = 0.02 * double(with.at(x, y)[c]) / 1024.0;
+                if (place.x < 43.5)
+                    worst = std::max(worst, (std::abs(found - expected) - rounding) / expected);
+                if (place.x > 45.0 && place.x < 47.5)
+                {
+                    EXPECT_LT(found, 0.02 * expected + rounding) << place.x << ' ' << place.y;
+                }
+            }
+        }
+    std::printf("wrong by %.1f %% at most where it shines\n", 100.0 * worst);
+    EXPECT_LT(worst, 0.02);
 }

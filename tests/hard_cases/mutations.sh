@@ -186,14 +186,30 @@ edges edge-posts host/terrain_shading.glsl 's/terrainSunSeen\(here\) - between/t
 edges edge-known host/terrain_shading.glsl 's/certain \* certain/0.0/'
 edges edge-facing passes/screen_edges.comp 's/risen \* max/0.5 * risen * max/'
 edges edge-relief passes/screen_edges.comp 's/over\.x > -0\.98 \* most/over.x > 0.0/'
-edges former-part host/terrain_shading.glsl 's/coordinate\), former, osgTerrainLight_formerPart/coordinate), former, 0.5/'
-edges former-unlit host/terrain_shading.glsl 's/formerPart >= 1\.0/formerPart > 1.0/'
-edges former-own host/terrain_shading.glsl 's/formerPart <= 0\.0/formerPart < 0.0/'
+edges former-part host/terrain_shading.glsl 's/coordinate\), former, part/coordinate), former, 0.5/'
+edges former-unlit host/terrain_shading.glsl 's/part >= 1\.0/part > 1.0/'
+edges former-own host/terrain_shading.glsl 's/part <= 0\.0/part < 0.0/'
 edges former-place host/terrain_shading.glsl 's/osgTerrainLight_former, place/osgTerrainLight_former, coordinate/'
 edges former-edges host/terrain_shading.glsl 's/formerPosts\.x < 1\.0/formerPosts.x < 1.0e6/'
+borders()
+{
+  mutate "$1" host/terrain_shading.glsl "$2" gpu_tests:EdgeBlend.IsThatOfTheShader
+}
+borders border-sides 's/osgTerrainLight_drawn\.zw - coordinate/osgTerrainLight_drawn.xy - coordinate/'
+borders border-corners 's/length\(vec2\(high\.x, low\.y\)\)/length(high)/'
+borders border-smooth 's/smoothstep\(0\.0, 1\.0, vec4\(low, high\)\)/min(vec4(low, high), 1.0)/'
 mutate faces-views passes/faces.comp 's/min\(views\[i\] .*MOST_MORE\)/1.0/' \
   'gpu_tests:*HardGround*/Mine'
 mutate faces-inside passes/faces.comp 's/INSIDE = 0\.2/INSIDE = 1.0/' 'gpu_tests:*HardGround*/Mine'
+form()
+{
+  mutate "$1" "$2" "$3" 'gpu_tests:ObjectVolume.HoldsTheDistancesOfFormsThatDeform'
+}
+form form-window lib/sampled_form.glsl 's/int window = min.*/int window = 0;/'
+form form-fold lib/sampled_form.glsl 's/turnsX \? side - 1 - acrossX : acrossX/acrossX/'
+form form-void lib/sampled_form.glsl 's/isOutside && isVoid/false/'
+form form-lower lib/sampled_form.glsl 's/under > above \? slopedDistance\(under/under > above ? slopedDistance(above/'
+form form-row passes/object_volume.comp 's/form\.row = shape\.voxels\.y/form.row = 0/'
 sweep()
 {
   mutate "$1" passes/bounce_sweep.comp "$2" \

@@ -537,3 +537,31 @@ TEST(ObjectSurface, SendsTheMeanOfItsColours)
     EXPECT_FALSE(object->getAlbedo());
     EXPECT_EQ(said.count("needs 0 ... 1"), 1);
 }
+
+// A lamp under a roof at dusk: it shows what it emits, and lights a wall beside it by the closed
+// form of a sphere; where it does not emit any more nothing is left of it.
+TEST(ObjectSurface, HasTheLightOfALamp)
+{
+    OTL_NEED_GL(context);
+    const osg::ref_ptr<PlacedObject> lamp = new PlacedObject;
+    const osg::ref_ptr<osg::Geode> geode = new osg::Geode;
+    geode->addDrawable(new osg::ShapeDrawable(new osg::Sphere(osg::Vec3(0.0f, -6.0f, 2.0f), 0.4f)));
+    lamp->addChild(geode);
+    Plain plain({house.object(), lamp});
+    plain.lookNorth(-9.0, 2.0);
+    const auto before = plain.lightAt(3.0, 0.0);
+    lamp->setEmission({0.9f, 0.6f, 0.3f});
+    plain.picture->draw(4);
+    // 2 m before the wall, seen at its own height: 3 m beside its foot the cosine is 2 / sqrt(13).
+    const double expected = 0.16 / 13.0 * 2.0 / std::sqrt(13.0);
+    EXPECT_NEAR(plain.lightAt(3.0, 0.0) - before, 0.9 * expected, 0.1 * expected + drawn);
+    EXPECT_GT(plain.channelAt(0.0, 0.0, 0), 0.9) << "its own surface";
+    lamp->setEmission({});
+    plain.picture->draw(4);
+    EXPECT_NEAR(plain.lightAt(3.0, 0.0), before, 1.0e-6);
+    Said said;
+    lamp->setEmission({-1.0f, 0.0f, 0.0f});
+    EXPECT_EQ(lamp->getEmission(), osg::Vec3f());
+    EXPECT_EQ(said.count("needs 0 or more"), 1);
+    EXPECT_EQ(takeGlErrors(), "");
+}

@@ -5,6 +5,7 @@
 #include "support/AnalyticTerrain.h"
 #include "support/GlContext.h"
 #include "support/HeldObjects.h"
+#include "support/SampledBodies.h"
 #include "support/ScenePicture.h"
 #include "support/TestFolder.h"
 #include "terrain/TerrainModel.h"
@@ -299,6 +300,145 @@ TEST(PlacedObject, OfTrianglesIsAsItsSolid)
     // over a voxel beside the wall.
     for (const double away : {4.5, 6.0, 8.0})
         EXPECT_NEAR(sampled.lightAt(away, 0.0), solid.lightAt(away, 0.0), 0.02) << away << " m";
+}
+
+namespace
+{
+
+/// A blob whose vertices the application changes, as the samples' does.
+struct DeformingBlob
+{
+    osg::ref_ptr<osg::Vec3Array> vertices = new osg::Vec3Array;
+    osg::ref_ptr<osg::Geometry> geometry = new osg::Geometry;
+    osg::ref_ptr<PlacedObject> object = new PlacedObject;
+    bodies::Blob form{0.3, 0.0, 3.0};
+
+    explicit DeformingBlob(double phase)
+    {
+        const TriangleMesh mesh = form.mesh(24);
+        vertices->resize(mesh.vertices.size());
+        const osg::ref_ptr<osg::DrawElementsUInt> triangles =
+            new osg::DrawElementsUInt(GL_TRIANGLES);
+        for (const auto& triangle : mesh.triangles)
+            triangles->insert(triangles->end(), triangle.begin(), triangle.end());
+        geometry->setUseVertexBufferObjects(true);
+        geometry->setVertexArray(vertices);
+        geometry->addPrimitiveSet(triangles);
+        osg::ref_ptr<osg::Geode> geode = new osg::Geode;
+        geode->addDrawable(geometry);
+        geode->setNodeMask(1u);
+        object->setField(PlacedObject::Field::Star);
+        object->addChild(geode);
+        deform(phase);
+    }
+    void deform(double phase)
+    {
+        form.phase = phase;
+        const TriangleMesh mesh = form.mesh(24);
+        for (unsigned i = 0; i < vertices->size(); ++i)
+            (*vertices)[i].set(mesh.vertices[i].x, mesh.vertices[i].y, mesh.vertices[i].z + 2.0f);
+        vertices->dirty();
+        geometry->dirtyBound();
+    }
+};
+
+} // namespace
+
+// A frame after its vertices have changed, the ground is lit as beside one that always had this
+// form; while they stay nothing runs.
+TEST(PlacedObject, ThatDeformsIsAsOneThatHadThisForm)
+{
+    OTL_NEED_GL(context);
+    Said said;
+    DeformingBlob blob(0.0);
+    Plain plain(blob.object, uniformSky(true));
+    EXPECT_EQ(plain.lighting->getObjectCount(), 1u);
+    EXPECT_TRUE(blob.object->isFieldReady());
+    for (const double phase : {0.7, 1.4, 2.1})
+    {
+        const auto before = plain.picture->pixels();
+        const unsigned volumes = plain.lighting->getDispatchCounts()["objects"];
+        blob.deform(phase);
+        plain.picture->draw(2);
+        EXPECT_EQ(plain.lighting->getDispatchCounts()["objects"], volumes + 1);
+        EXPECT_NE(plain.picture->pixels(), before);
+        plain.picture->draw(2);
+        const unsigned dispatches = plain.lighting->getDispatchCount();
+        plain.picture->draw(3);
+        EXPECT_EQ(plain.lighting->getDispatchCount(), dispatches) << "still: nothing runs";
+
+        DeformingBlob other(phase);
+        Plain fresh(other.object, uniformSky(true));
+        // Voxels may stand otherwise to it: an edge of its shadow is a fraction of one elsewhere.
+        EXPECT_LE(greatestDifference(*plain.picture, *fresh.picture), 40);
+    }
+    EXPECT_EQ(said.text(), "");
+    EXPECT_EQ(takeGlErrors(), "");
+}
+
+// Expected: after the second and third 30 frames what was held after the first. Volumes and the
+// textures of the factor have sizes in whole bricks and texels, so they are compared at the same
+// form.
+TEST(PlacedObject, ThatDeformsInEveryFrameHoldsNoMore)
+{
+    OTL_NEED_GL(context);
+    DeformingBlob blob(0.0);
+    Plain plain(blob.object, uniformSky(true));
+    Held first, last;
+    for (int frame = 1; frame <= 90; ++frame)
+    {
+        blob.deform(2.0 * std::sin(2.0 * pi * frame / 30.0));
+        plain.picture->draw();
+        if (frame % 30 != 0)
+            continue;
+        plain.picture->draw(8); // what is released waits for frames that are still drawn
+        last = heldBy(*plain.picture, *plain.lighting);
+        if (frame == 30)
+            first = last;
+        std::printf("frame %3d: %u textures, %u buffers, %.2f MiB of light, %.1f MiB resident\n",
+                    frame, last.textures, last.buffers,
+                    static_cast<double>(last.graphics) / 1048576.0,
+                    static_cast<double>(last.resident) / 1048576.0);
+    }
+    EXPECT_EQ(last.textures, first.textures);
+    EXPECT_EQ(last.buffers, first.buffers);
+    EXPECT_EQ(last.graphics, first.graphics);
+    EXPECT_LE(static_cast<double>(last.resident), 1.02 * static_cast<double>(first.resident));
+    EXPECT_EQ(takeGlErrors(), "");
+}
+
+// A plateau of an osg::HeightField, whose walls are a post wide, is found by itself, and lit around
+// as the box that it nearly is; so is the box between two height fields.
+TEST(PlacedObject, OfHeightFieldsIsAsItsSolid)
+{
+    OTL_NEED_GL(context);
+    Plain solid(boxObject(6.0, 8.0, 4.0));
+    const osg::ref_ptr<osg::HeightField> heights = new osg::HeightField;
+    heights->allocate(33, 41);
+    heights->setXInterval(0.2f);
+    heights->setYInterval(0.2f);
+    heights->setOrigin(osg::Vec3(-3.2f, -4.0f, 0.0f));
+    for (unsigned row = 0; row < 41; ++row)
+        for (unsigned column = 0; column < 33; ++column)
+            heights->setHeight(column, row,
+                               row == 0 || row == 40 || column == 0 || column == 32 ? 0.0f : 4.0f);
+    osg::ref_ptr<osg::Geode> geode = new osg::Geode;
+    geode->addDrawable(new osg::ShapeDrawable(heights));
+    geode->setNodeMask(1u);
+    const osg::ref_ptr<PlacedObject> plateau = new PlacedObject;
+    plateau->addChild(geode);
+    Plain drawn(plateau);
+    EXPECT_TRUE(plateau->isFieldReady());
+    const osg::ref_ptr<PlacedObject> two = boxObject(6.0, 8.0, 4.0);
+    two->setField(PlacedObject::Field::TwoHeightFields);
+    Plain between(two);
+    for (const double away : {4.5, 6.0, 8.0})
+    {
+        // A wall may stand a post, 0.2 m, within its place, over which light before it changes by
+        // 0.02 at most.
+        EXPECT_NEAR(drawn.lightAt(away, 0.0), solid.lightAt(away, 0.0), 0.02) << away << " m";
+        EXPECT_NEAR(between.lightAt(away, 0.0), solid.lightAt(away, 0.0), 0.01) << away << " m";
+    }
 }
 
 TEST(PlacedObject, WithoutAFieldChangesNothing)

@@ -291,14 +291,18 @@ TEST(SavedScene, KeepsPlacedObjects)
         SCOPED_TRACE(extension);
         osg::ref_ptr<TerrainLighting> lighting = new TerrainLighting;
         using Field = PlacedObject::Field;
-        const Field fields[] = {Field::Automatic, Field::Box,  Field::Ellipsoid,
-                                Field::Cylinder,  Field::Mesh, Field::None};
+        const Field fields[] = {Field::Automatic, Field::Box,         Field::Ellipsoid,
+                                Field::Cylinder,  Field::Mesh,        Field::None,
+                                Field::Star,      Field::HeightField, Field::TwoHeightFields};
         for (const Field field : fields)
         {
             osg::ref_ptr<PlacedObject> object = new PlacedObject;
             object->setField(field);
             if (field == Field::Box)
+            {
                 object->setAlbedo(osg::Vec3f(0.25f, 0.5f, 0.75f));
+                object->setEmission(osg::Vec3f(2.0f, 1.0f, 0.5f));
+            }
             lighting->addChild(object);
         }
         const std::string path = (folder / (std::string("objects.") + extension)).string();
@@ -312,6 +316,8 @@ TEST(SavedScene, KeepsPlacedObjects)
             ASSERT_TRUE(object);
             EXPECT_EQ(object->getField(), fields[i]);
             EXPECT_EQ(object->getAlbedo().has_value(), fields[i] == Field::Box);
+            EXPECT_EQ(object->getEmission(),
+                      fields[i] == Field::Box ? osg::Vec3f(2.0f, 1.0f, 0.5f) : osg::Vec3f());
             EXPECT_EQ(object->getAlbedo().value_or(osg::Vec3f(0.25f, 0.5f, 0.75f)),
                       osg::Vec3f(0.25f, 0.5f, 0.75f));
             EXPECT_EQ(object->getNumChildrenRequiringUpdateTraversal(), 1u);

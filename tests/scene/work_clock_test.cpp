@@ -135,6 +135,28 @@ TEST_F(PacedFrames, KeepTheirBudgetWithinAFifth)
     EXPECT_EQ(frame(state, "whole", 100, 1.0, 50.0, 100), 100u) << "is not cut";
 }
 
+// Expected: groups that happen to take next to nothing, a few at the end of a frame or many in a
+// tile without ground, do not make a later piece much too long: a piece grows to twice as many
+// groups at most, and takes four eighths of the budget by the mean, and what is left of 1.1
+// budgets.
+TEST_F(PacedFrames, CheapGroupsSayLittleOfOthers)
+{
+    OTL_NEED_GL(context);
+    osg::State& state = context->state();
+    for (int i = 0; i < 20; ++i)
+        frame(state, "a", 1000, 0.4, 50.0);
+    for (const unsigned cheap : {3u, 7u, 15u, 60u})
+    {
+        frame(state, "a", cheap, 1.0e-3, 50.0);
+        for (int i = 0; i < 20; ++i)
+        {
+            EXPECT_GT(frame(state, "a", 1000, 0.4, 50.0), 60u);
+            EXPECT_LE(_spent, 60.0) << cheap;
+            EXPECT_LE(_most, 70u) << cheap; // of 0.4 ms, and a mean that still knows the cheap ones
+        }
+    }
+}
+
 // Expected: a kind that was never measured waits for the beginning of a frame; a first piece that
 // compiled shaders does not slow the later ones down.
 TEST_F(PacedFrames, MeasureWhatIsNewFirst)

@@ -90,6 +90,9 @@ struct OSGTERRAINLIGHT_EXPORT LightingSettings
     /// post, and 12 more where nothing bounces. The shading texture and all rasters stay as they
     /// are. It has no effect with a BounceMethod other than Slices.
     bool shadowEdges = false;
+    /// Cones by which the light among placed objects is gathered, 4 … 32: 4, 6, 9, 12, 16 or 32, or
+    /// the next of these above. More err less and take longer (docs/methods/objects.md).
+    int objectCones = 16;
     /// Radius of the planet [m], 1e3 … 1e12; 0 is a flat world. Distant terrain is lowered by the
     /// curvature: at a distance d from the middle of the tile, by d² / 2 radius. The radius of the
     /// Earth is 6 371 000; 7 323 000 (R / (1 − 0.13)) includes the refraction of its air.

@@ -34,12 +34,13 @@ public:
     PlacedObject(const PlacedObject& other, const osg::CopyOp& copyop = osg::CopyOp::SHALLOW_COPY);
     META_Node(osgTerrainLight, PlacedObject);
 
-    /// What the distances are to. All but Mesh are about the bounding box of what is below, whose
-    /// axes are this node's.
+    /// What the distances are to. Box, Ellipsoid and Cylinder are about the bounding box of what is
+    /// below, whose axes are this node's.
     enum class Field
     {
         /// Box, ellipsoid or cylinder where a single osg::Box, osg::Sphere or osg::Cylinder is
-        /// drawn below, whose place is not turned; else Mesh.
+        /// drawn below, whose place is not turned, and HeightField where a single osg::HeightField
+        /// is; else Mesh.
         Automatic,
         Box,
         Ellipsoid,
@@ -49,23 +50,43 @@ public:
         /// not be closed. It is a box until that is done, and where the library was built without
         /// Embree.
         Mesh,
-        None ///< It changes no light; its surfaces are lit by the probe alone.
+        /// It changes no light; its surfaces are lit by the probe alone.
+        None,
+        /// A body whose surface is met once in each direction from some place within: a blob. This
+        /// and the following are for forms that change in every frame, by vertices or by parts that
+        /// move: the triangles below are looked at in each update, and sampled where they have
+        /// changed. What only a shader deforms is not seen.
+        Star,
+        /// What is below as seen from above (z of this node), solid down to the bottom of its box.
+        HeightField,
+        /// What is below as seen from above and from below, solid in between: a floating rock, a
+        /// crown.
+        TwoHeightFields
     };
     /// The default is Automatic.
     void setField(Field field);
     Field getField() const;
 
     /// Says that what is below has changed its form, or its materials. Without it only a change of
-    /// the bounding sphere is seen.
+    /// the bounding sphere is seen; of Star, HeightField and TwoHeightFields every change is.
     void dirtyField();
 
     /// Sets the albedo of its surfaces, linear, 0 … 1 in each colour: with
     /// LightingSettings::bounces they send that part of their light to the ground and to other
     /// objects. Nothing: the mean of what is drawn, of the colours of vertices or of the
-    /// osg::Material, times the texture of unit 0. That is the default. Other numbers are refused
-    /// with a warning.
+    /// osg::Material below this node, times the texture of unit 0; white where a picture cannot be
+    /// read. That is the default. Other numbers are refused with a warning.
     void setAlbedo(const std::optional<osg::Vec3f>& albedo);
     std::optional<osg::Vec3f> getAlbedo() const;
+
+    /// Sets what its surfaces emit, as those of a lamp: radiance in each colour, ≥ 0, by default 0.
+    /// It lights the ground around and the objects near it, as a sphere of its surface would, with
+    /// their shadows, and the default program adds it to its own surface. It should be about as
+    /// long as wide, and lights up to 48 m. Up to 16 objects in 32 m may emit. Ground must have
+    /// some other light, that of dusk at least: what objects do to its light is a factor. Other
+    /// numbers are refused with a warning.
+    void setEmission(const osg::Vec3f& radiance);
+    const osg::Vec3f& getEmission() const;
 
     /// The texture units of the volume of distances, of what objects send and of what they leave
     /// of the ground's light, and the samplers that read them. The maps of the probe are in

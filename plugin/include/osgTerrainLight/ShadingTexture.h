@@ -60,6 +60,17 @@ struct ShadingTexture
     static constexpr unsigned formerEdgeUnit = 10;
     static constexpr const char* formerEdgeSampler = "osgTerrainLight_formerEdges";
     static constexpr const char* formerPosts = "osgTerrainLight_formerPosts";
+    /// Along borders with tiles of a coarser level there is more of the former light, which is that
+    /// of a tile above then: the bool that says whether; the vec4s of its parts on the western,
+    /// southern, eastern and northern side, and at the south-western, south-eastern, north-western
+    /// and north-eastern corner; the vec4 of the texture coordinates of the outermost posts that
+    /// are drawn, south-western and north-eastern; and the vec2 number of bands of 8 posts in the
+    /// texture. terrain_shading.glsl reads them.
+    static constexpr const char* hasBorders = "osgTerrainLight_hasBorders";
+    static constexpr const char* borders = "osgTerrainLight_borders";
+    static constexpr const char* borderCorners = "osgTerrainLight_borderCorners";
+    static constexpr const char* drawn = "osgTerrainLight_drawn";
+    static constexpr const char* bands = "osgTerrainLight_bands";
     /// The texture unit of what placed objects leave of the light (PlacedObject.h), and the
     /// sampler2D that reads it: RGBA16F, of rgb and of the visible fraction of the sun, in texels
     /// of its own around the objects, one cluster of them below the other. Then the number of

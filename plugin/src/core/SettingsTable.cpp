@@ -221,6 +221,9 @@ const std::vector<Setting<LightingSettings>>& settingsOf()
         row("shadow-edges", &S::shadowEdges, oneOf<bool>(), Topic::Screen, I::Transport,
             "Whether the edge of the sun's shadow is drawn between posts: crisp near the crest "
             "that casts it, soft far away."),
+        row("object-cones", &S::objectCones, whole(4, 32), Topic::Screen, I::Transport,
+            "Cones by which the light among placed objects is gathered: more err less and take "
+            "longer."),
         row("exposure", &S::exposure, real(-20, 20, "stops"), Topic::Picture, I::Display,
             "Brightness of the picture: colours are multiplied by 2 to this power."),
     };

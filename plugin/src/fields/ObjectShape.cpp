@@ -1,6 +1,7 @@
 #include "fields/ObjectShape.h"
 
 #include "fields/DistanceGrid.h"
+#include "fields/SampledForm.h"
 
 #include <algorithm>
 
@@ -31,6 +32,10 @@ OwnBox ownBox(const ObjectShape& shape)
         const glm::dvec3 half = 0.5 * double(grid.spacing) * glm::dvec3(grid.size - 1);
         return {glm::dvec3(grid.first) + half, half};
     }
+    case ObjectShape::Kind::Star:
+    case ObjectShape::Kind::Heights:
+        return {0.5 * (shape.form->low + shape.form->high),
+                0.5 * (shape.form->high - shape.form->low)};
     default:
         return {glm::dvec3(0.0), shape.size};
     }
@@ -57,7 +62,7 @@ RigidShape rigid(const ObjectShape& shape)
     glm::dmat4 toScene = shape.toScene;
     for (int axis = 0; axis < 3; ++axis)
         scales[axis] = std::max(glm::length(glm::dvec3(toScene[axis])), 1.0e-12);
-    if (shape.kind == ObjectShape::Kind::Mesh)
+    if (shape.grid || shape.form)
         return {shape.size, glm::inverse(toScene), std::min({scales.x, scales.y, scales.z})};
     RigidShape result{shape.size * scales, {}, 1.0};
     if (shape.kind == ObjectShape::Kind::Cylinder || shape.kind == ObjectShape::Kind::Capsule)

@@ -14,6 +14,9 @@ using Lock = std::lock_guard<std::mutex>;
 constexpr double aroundHeight = 3.0;
 /// Of a shadow, over the object's height.
 constexpr double longestShadow = 8.0;
+/// Light of a lamp that faces it that is too little to be looked at, irradiance / pi, and how far
+/// away a lamp's is looked at [m].
+constexpr double leastLampLight = 1.0e-3, farthestLamp = 48.0;
 /// Texels of the factor along a side, at most.
 constexpr int mostTexels = 256;
 } // namespace
@@ -32,8 +35,11 @@ bool ObjectLight::set(const std::vector<ObjectShape>& shapes)
         const auto same =
             std::find_if(_placed.begin(), _placed.end(),
                          [&](const Placed& placed) { return placed.cluster.sameVolume(cluster); });
-        now.push_back(
-            {cluster, same != _placed.end() ? same->node.get() : new ObjectVolumeNode(cluster)});
+        now.push_back({cluster,
+                       same != _placed.end() ? same->node.get() : new ObjectVolumeNode(cluster),
+                       lampsOf(cluster.shapes)});
+        for (ObjectLamp& lamp : now.back().lamps)
+            lamp.centre -= cluster.origin;
     }
     _placed = now;
     Lock lock(_mutex);
@@ -110,6 +116,7 @@ TileObjects objectsOn(const std::vector<ObjectLight::Placed>& placed, const glm:
         object.spacing = spacing;
         object.volume = each.node->volume();
         object.albedo = each.node->albedo();
+        object.lamps = each.lamps;
         object.corner = cluster.origin - corner;
         object.voxels = cluster.voxels;
         object.voxel = cluster.voxel;
@@ -118,10 +125,20 @@ TileObjects objectsOn(const std::vector<ObjectLight::Placed>& placed, const glm:
         const double tall = object.high.z - object.low.z;
         const glm::dvec2 shadow = tall * shadows;
         // Texels lie on a grid of the tile's, so that they do not move with what grows.
-        const glm::dvec2 low =
+        glm::dvec2 low =
             glm::dvec2(object.low) + glm::min(shadow, glm::dvec2(-aroundHeight * tall));
-        const glm::dvec2 high =
+        glm::dvec2 high =
             glm::dvec2(object.high) + glm::max(shadow, glm::dvec2(aroundHeight * tall));
+        // Lamps shine on.
+        for (const ObjectLamp& lamp : object.lamps)
+        {
+            const double brightest = std::max({lamp.radiance.x, lamp.radiance.y, lamp.radiance.z});
+            const double reach =
+                std::min(lamp.radius * std::sqrt(brightest / leastLampLight), farthestLamp);
+            const glm::dvec2 centre(lamp.centre + object.corner);
+            low = glm::min(low, centre - reach);
+            high = glm::max(high, centre + reach);
+        }
         const double longest = std::max(high.x - low.x, high.y - low.y);
         object.pitch = cluster.voxel;
         while (longest / object.pitch > mostTexels - 2)

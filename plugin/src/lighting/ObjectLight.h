@@ -36,6 +36,7 @@ public:
     {
         ObjectCluster cluster;
         osg::ref_ptr<ObjectVolumeNode> node;
+        std::vector<ObjectLamp> lamps; ///< of it, in the frame of its volume
     };
     /// As of the last set(). The nodes may be read in any thread, but for what run() does.
     const std::vector<Placed>& placed() const { return _placed; }

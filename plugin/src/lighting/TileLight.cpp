@@ -366,8 +366,15 @@ void TileLight::declareObjects()
 {
     const ObjectSurroundings light{_direct, _shading, _method->skyHorizon(), _table->picture()};
     const auto before = std::exchange(_objectRadiosities, {});
-    if (_inputs->settings.bounces > 0)
-        for (const TileObject& object : _inputs->objects)
+    const auto isOn = [&](const TileObject& object)
+    {
+        const glm::dvec2 end = object.spacing * glm::dvec2(width() - 1, height() - 1);
+        return object.high.x >= 0.0 && object.high.y >= 0.0 && object.low.x <= end.x &&
+               object.low.y <= end.y;
+    };
+    for (const TileObject& object : _inputs->objects)
+        // Those beside the tile only cast their shadows on it.
+        if (_inputs->settings.bounces > 0 && isOn(object))
         {
             const auto same =
                 std::find_if(before.begin(), before.end(),
@@ -466,7 +473,7 @@ TileLight::ObjectRadiosity TileLight::objectRadiosity(const Resource& volume,
 {
     Lock lock(_mutex);
     for (const auto& node : _objectRadiosities)
-        if (node->volume() == &volume &&
+        if (node->volume() == &volume && !contexts.empty() &&
             std::all_of(contexts.begin(), contexts.end(),
                         [&](unsigned context) { return node->written().has(context); }))
             return {node->radiosity()->texture(), node->groundShare()->texture()};

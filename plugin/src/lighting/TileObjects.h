@@ -1,5 +1,6 @@
 #pragma once
 
+#include "fields/ObjectLamps.h"
 #include "gpu/Resource.h"
 
 #include <glm/glm.hpp>
@@ -21,6 +22,7 @@ struct TileObject
     glm::dvec2 spacing{1.0};
     osg::ref_ptr<Resource> volume;  ///< ObjectVolumeNode::volume()
     osg::ref_ptr<Resource> albedo;  ///< ObjectVolumeNode::albedo()
+    std::vector<ObjectLamp> lamps;  ///< in the frame of the volume
     glm::dvec3 corner{0.0};         ///< of the volume
     glm::ivec3 voxels{0};           ///< along its axes
     double voxel = 1.0;             ///< [m]
@@ -33,9 +35,10 @@ struct TileObject
     bool operator==(const TileObject& other) const
     {
         return spacing == other.spacing && volume == other.volume && albedo == other.albedo &&
-               corner == other.corner && voxels == other.voxels && voxel == other.voxel &&
-               low == other.low && high == other.high && first == other.first &&
-               pitch == other.pitch && texels == other.texels && row == other.row;
+               lamps == other.lamps && corner == other.corner && voxels == other.voxels &&
+               voxel == other.voxel && low == other.low && high == other.high &&
+               first == other.first && pitch == other.pitch && texels == other.texels &&
+               row == other.row;
     }
 };
 using TileObjects = std::vector<TileObject>;

@@ -344,7 +344,14 @@ void addObjectProperties(osgDB::ObjectWrapper* wrapper)
     field->add("CYLINDER", Field::Cylinder);
     field->add("MESH", Field::Mesh);
     field->add("NONE", Field::None);
+    field->add("STAR", Field::Star);
+    field->add("HEIGHT_FIELD", Field::HeightField);
+    field->add("TWO_HEIGHT_FIELDS", Field::TwoHeightFields);
     wrapper->addSerializer(field, osgDB::BaseSerializer::RW_ENUM);
+    wrapper->addSerializer(
+        new osgDB::PropByRefSerializer<PlacedObject, osg::Vec3f>(
+            "Emission", osg::Vec3f(), &PlacedObject::getEmission, &PlacedObject::setEmission),
+        osgDB::BaseSerializer::RW_VEC3F);
     wrapper->addSerializer(
         new osgDB::UserSerializer<PlacedObject>("Albedo", &hasAlbedo, &readAlbedo, &writeAlbedo),
         osgDB::BaseSerializer::RW_USER);

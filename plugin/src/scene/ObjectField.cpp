@@ -1,5 +1,7 @@
 #include "scene/ObjectField.h"
 
+#include "fields/SampledForm.h"
+
 #include <osg/ComputeBoundsVisitor>
 #include <osg/Notify>
 #include <osg/ShapeDrawable>
@@ -55,6 +57,8 @@ glm::dvec3 linear(const osg::Vec4& colour)
 glm::dvec3 meanOf(const osg::Image& image)
 {
     constexpr int count = 16;
+    if (!image.data())
+        return glm::dvec3(1.0);
     glm::dvec3 sum(0.0);
     double weight = 0.0;
     for (int y = 0; y < count; ++y)
@@ -73,7 +77,7 @@ struct AddColour
 {
     const osg::Vec3Array* places = nullptr;
     const osg::Vec4Array* colours = nullptr; ///< one per vertex; null: `one` is all of them
-    osg::Vec4 one{1.0f, 1.0f, 1.0f, 1.0f};
+    glm::dvec3 one{1.0};                     ///< linear
     osg::Matrixd toObject;
     glm::dvec3 sum{0.0};
     double area = 0.0;
@@ -86,7 +90,7 @@ struct AddColour
                                 .length();
         glm::dvec3 colour(0.0);
         for (const unsigned corner : {a, b, c})
-            colour += linear(colours ? (*colours)[corner] : one) / 3.0;
+            colour += (colours ? linear((*colours)[corner]) : one) / 3.0;
         sum += size * colour;
         area += size;
     }
@@ -174,10 +178,10 @@ private:
         add.toObject = toObject;
         const auto* colours = dynamic_cast<const osg::Vec4Array*>(geometry.getColorArray());
         if (_surface.material && isOwnColour(*_surface.material))
-            add.one = _surface.material->getDiffuse(osg::Material::FRONT);
+            add.one = linear(_surface.material->getDiffuse(osg::Material::FRONT));
         else if (colours && !colours->empty())
         {
-            add.one = colours->front();
+            add.one = linear(colours->front());
             if (geometry.getColorBinding() == osg::Geometry::BIND_PER_VERTEX &&
                 colours->size() >= add.places->size())
                 add.colours = colours;
@@ -226,6 +230,14 @@ std::optional<ObjectShape> simpleShape(const PartCollector& parts)
     return std::nullopt;
 }
 
+/// A single drawable that is one of OSG's.
+bool isHeightField(const PartCollector& parts)
+{
+    const auto* drawn = dynamic_cast<const osg::ShapeDrawable*>(parts.last);
+    return parts.count == 1 && drawn &&
+           dynamic_cast<const osg::HeightField*>(drawn->getShape()) != nullptr;
+}
+
 } // namespace
 
 glm::dmat4 toGlm(const osg::Matrixd& matrix)
@@ -245,6 +257,22 @@ bool isOwnColour(const osg::Material& material)
 
 std::optional<ObjectShape> ObjectField::shape(osg::Group& object)
 {
+    using Field = PlacedObject::Field;
+    if (field == Field::Star || field == Field::HeightField || field == Field::TwoHeightFields)
+        followForm(object);
+    else
+        followSolid(object);
+    if (_shape)
+    {
+        _shape->albedo = albedo ? vector(osg::Vec3d(*albedo)) : _drawnAlbedo;
+        _shape->emission = vector(osg::Vec3d(emission));
+    }
+    return _shape;
+}
+
+/// Of a solid, or of a mesh that stays as it is but for moving.
+void ObjectField::followSolid(osg::Group& object)
+{
     const osg::BoundingSphere& bound = object.getBound();
     if (_isDirty || bound.center() != _bound.center() || bound.radius() != _bound.radius())
     {
@@ -258,9 +286,6 @@ std::optional<ObjectShape> ObjectField::shape(osg::Group& object)
         startSampling(object);
     }
     takeSampled();
-    if (_shape)
-        _shape->albedo = albedo ? vector(osg::Vec3d(*albedo)) : _drawnAlbedo;
-    return _shape;
 }
 
 void ObjectField::make(osg::Group& object)
@@ -280,8 +305,17 @@ void ObjectField::make(osg::Group& object)
     if (parts.count == 0)
         return;
     if (field == Field::Automatic)
+    {
         if ((_shape = simpleShape(parts)))
             return;
+        if (isHeightField(parts))
+        {
+            _sampled.clear();
+            sampleForm(object, Field::HeightField);
+            _sampled = {}; // it is not followed
+            return;
+        }
+    }
 
     osg::ComputeBoundsVisitor bounds;
     for (unsigned i = 0; i < object.getNumChildren(); ++i)
@@ -298,6 +332,48 @@ void ObjectField::make(osg::Group& object)
                        ? glm::dvec3(0.5 * (half.x + half.y), 0.5 * (half.x + half.y), half.z)
                        : half);
     _isMesh = field == Field::Mesh || field == Field::Automatic;
+}
+
+/// Of a form that may change in every frame.
+void ObjectField::followForm(osg::Group& object)
+{
+    if (_isDirty)
+        _sampled.clear();
+    _isDirty = _isMesh = false;
+    _sampling = nullptr;
+    sampleForm(object, field);
+}
+
+void ObjectField::sampleForm(osg::Group& object, PlacedObject::Field as)
+{
+    PartCollector parts(true);
+    // About the same place as long as it is within the object, so that triangles compare.
+    const osg::BoundingSphere& bound = object.getBound();
+    if (_sampled.empty() ||
+        (osg::Vec3d(bound.center()) - _middle).length() > double(bound.radius()))
+        _middle = bound.center();
+    parts.middle = _middle;
+    object.accept(parts);
+    _hasMaterials = parts.hasMaterials;
+    _ownMaterials = parts.ownMaterials;
+    _drawnAlbedo = parts.albedo();
+    if (!_sampled.empty() && parts.mesh.vertices == _sampled)
+        return;
+    using Field = PlacedObject::Field;
+    const std::shared_ptr<const SampledForm> form =
+        as == Field::Star
+            ? sampleStar(parts.mesh)
+            : sampleHeights(parts.mesh, as == Field::HeightField ? HeightSurfaces::Upper
+                                                                 : HeightSurfaces::Both);
+    _sampled = std::move(parts.mesh.vertices);
+    _shape.reset();
+    if (!form)
+        return;
+    ObjectShape shape;
+    shape.kind = as == Field::Star ? ObjectShape::Kind::Star : ObjectShape::Kind::Heights;
+    shape.form = form;
+    shape.toScene = glm::translate(glm::dmat4(1.0), vector(_middle) + form->centre);
+    _shape = shape;
 }
 
 void ObjectField::startSampling(osg::Group& object)

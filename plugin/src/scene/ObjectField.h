@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 namespace osgTerrainLight
 {
@@ -25,6 +26,7 @@ class ObjectField
 public:
     PlacedObject::Field field = PlacedObject::Field::Automatic;
     std::optional<osg::Vec3f> albedo; ///< nothing: of what is drawn
+    osg::Vec3f emission;              ///< radiance
 
     void dirty() { _isDirty = true; }
     bool isReady() const { return !_isDirty && !_isMesh && !_sampling; }
@@ -39,6 +41,9 @@ public:
 
 private:
     void make(osg::Group& object);
+    void followSolid(osg::Group& object);
+    void followForm(osg::Group& object);
+    void sampleForm(osg::Group& object, PlacedObject::Field as);
     void startSampling(osg::Group& object);
     void takeSampled();
 
@@ -54,6 +59,7 @@ private:
     glm::dvec3 _drawnAlbedo{1.0};
     osg::BoundingSphere _bound; ///< of the object, when the shape was made
     std::optional<ObjectShape> _shape;
+    std::vector<glm::vec3> _sampled; ///< corners of the triangles that the form was made of
     std::shared_ptr<const MeshSampling> _sampling; ///< null: it is no mesh, or has been taken
 };
 

@@ -42,6 +42,7 @@ PlacedObject::PlacedObject(const PlacedObject& other, const osg::CopyOp& copyop)
     setNumChildrenRequiringUpdateTraversal(getNumChildrenRequiringUpdateTraversal() + 1);
     _implementation->field.field = other.getField();
     _implementation->field.albedo = other.getAlbedo();
+    _implementation->field.emission = other.getEmission();
 }
 
 PlacedObject::~PlacedObject() = default;
@@ -75,6 +76,23 @@ void PlacedObject::setAlbedo(const std::optional<osg::Vec3f>& albedo)
 std::optional<osg::Vec3f> PlacedObject::getAlbedo() const
 {
     return _implementation->field.albedo;
+}
+
+void PlacedObject::setEmission(const osg::Vec3f& radiance)
+{
+    for (int i = 0; i < 3; ++i)
+        if (!(radiance[i] >= 0.0f && std::isfinite(radiance[i])))
+        {
+            OSG_WARN << "osgTerrainLight: emission of object '" << getName()
+                     << "' not set: needs 0 or more" << std::endl;
+            return;
+        }
+    _implementation->field.emission = radiance;
+}
+
+const osg::Vec3f& PlacedObject::getEmission() const
+{
+    return _implementation->field.emission;
 }
 
 void PlacedObject::dirtyField()

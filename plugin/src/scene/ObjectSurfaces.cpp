@@ -126,16 +126,6 @@ osg::Vec3f groundPlane(const SceneTile& tile, const osg::Vec3d& place, const glm
 
 ObjectState::ObjectState() : program(new osg::StateSet), programOnly(new osg::StateSet)
 {
-    const ConeSet set = ConeSet::of(16);
-    _cones = new osg::Uniform(osg::Uniform::FLOAT_VEC4, "osgTerrainLight_objectCones",
-                              static_cast<int>(ConeSet::most + 2));
-    _around = new osg::Uniform(osg::Uniform::UNSIGNED_INT, "osgTerrainLight_objectAround",
-                               static_cast<int>(ConeSet::most));
-    unsigned next = 0;
-    for (const std::array<float, 4>& each : set.packed())
-        _cones->setElement(next++, osg::Vec4f(each[0], each[1], each[2], each[3]));
-    for (unsigned i = 0; i < set.cones.size(); ++i)
-        _around->setElement(i, set.cones[i].around);
     const osg::ref_ptr<osg::Program> shared = createObjectProgram();
     for (const auto& stateSet : {program, programOnly})
     {
@@ -143,19 +133,32 @@ ObjectState::ObjectState() : program(new osg::StateSet), programOnly(new osg::St
         stateSet->addUniform(new osg::Uniform("osgTerrainLight_colour", 0));
     }
     program->setTextureAttribute(0, createWhite());
-    setSunRadius(0.0);
+    set(0.0, 16);
 }
 
-void ObjectState::setSunRadius(double degrees)
+void ObjectState::set(double sunRadius, int coneCount)
 {
-    if (degrees == _sunRadius)
+    if (sunRadius == _sunRadius && coneCount == _coneCount)
         return;
-    _sunRadius = degrees;
+    _sunRadius = sunRadius;
+    _coneCount = coneCount;
+    const ConeSet set = ConeSet::of(coneCount);
+    const osg::ref_ptr<osg::Uniform> axes =
+        new osg::Uniform(osg::Uniform::FLOAT_VEC4, "osgTerrainLight_objectCones",
+                         static_cast<int>(ConeSet::most + 2));
+    const osg::ref_ptr<osg::Uniform> around =
+        new osg::Uniform(osg::Uniform::UNSIGNED_INT, "osgTerrainLight_objectAround",
+                         static_cast<int>(ConeSet::most));
+    unsigned next = 0;
+    for (const std::array<float, 4>& each : set.packed())
+        axes->setElement(next++, osg::Vec4f(each[0], each[1], each[2], each[3]));
+    for (unsigned i = 0; i < set.cones.size(); ++i)
+        around->setElement(i, set.cones[i].around);
     cones = new osg::StateSet;
-    cones->addUniform(_cones);
-    cones->addUniform(_around);
+    cones->addUniform(axes);
+    cones->addUniform(around);
     cones->addUniform(new osg::Uniform("osgTerrainLight_sunSine",
-                                       static_cast<float>(std::sin(degrees * radiansPerDegree))));
+                                       static_cast<float>(std::sin(sunRadius * radiansPerDegree))));
     cones->addUniform(
         new osg::Uniform(LightProbe::diffuseSampler, static_cast<int>(LightProbe::diffuseUnit)));
     cones->addUniform(
@@ -213,6 +216,7 @@ int ObjectSurface::push(osgUtil::CullVisitor& cull, bool isBelow) const
     const osg::ref_ptr<osg::StateSet> here = new osg::StateSet;
     here->addUniform(new osg::Uniform("osgTerrainLight_objectFromEye", osg::Matrixf(fromEye)));
     here->addUniform(new osg::Uniform("osgTerrainLight_materialColour", ownColour));
+    here->addUniform(new osg::Uniform("osgTerrainLight_objectEmission", _emission));
     push(here);
     return pushed;
 }
@@ -307,7 +311,7 @@ void ObjectSurfaces::followVolume(ObjectSurface& surface, const Seen& seen,
     if (isOther)
     {
         surface._own = surface._former = {};
-        surface._open = {stateSet(), nullptr, {}, surface._middle};
+        surface._open = {stateSet(), nullptr, {}, {}, {}, surface._middle};
         surface._open.stateSet->addUniform(
             new osg::Uniform("osgTerrainLight_hasObjectVolume", false));
     }
@@ -336,11 +340,17 @@ void ObjectSurfaces::followVolume(ObjectSurface& surface, const Seen& seen,
     if (tile && tile->lit)
         radiosity =
             tile->lit->lighting().objectRadiosity(*found->node->volume(), tile->lit->litContexts());
-    if (surface._own.stateSet && found->node == surface._own.node &&
-        radiosity == surface._own.radiosity && cluster.content.low == surface._content.low &&
+    osg::Vec3f plane;
+    if (radiosity.sent)
+        plane = groundPlane(*tile, surface._middle, cluster.origin);
+    const double shift = double((plane - surface._own.plane).length());
+    if (surface._own.stateSet && found->node == surface._own.node && shift < 0.01 &&
+        radiosity == surface._own.radiosity && found->lamps == surface._own.lamps &&
+        cluster.content.low == surface._content.low &&
         cluster.content.high == surface._content.high)
         return;
-    surface._own = Light{nullptr, found->node, radiosity, vector(cluster.origin)};
+    surface._own =
+        Light{nullptr, found->node, radiosity, found->lamps, plane, vector(cluster.origin)};
     if (!volume) // not computed anywhere yet
         return;
     surface._content = cluster.content;
@@ -353,8 +363,7 @@ void ObjectSurfaces::followVolume(ObjectSurface& surface, const Seen& seen,
     {
         made->setTextureAttribute(PlacedObject::radiosityUnit, radiosity.sent);
         made->setTextureAttribute(PlacedObject::groundUnit, radiosity.groundShare);
-        made->addUniform(new osg::Uniform("osgTerrainLight_objectPlane",
-                                          groundPlane(*tile, surface._middle, cluster.origin)));
+        made->addUniform(new osg::Uniform("osgTerrainLight_objectPlane", plane));
     }
     const osg::ref_ptr<osg::Uniform> field =
         new osg::Uniform(osg::Uniform::FLOAT_VEC4, "osgTerrainLight_objectField", 3);
@@ -363,6 +372,23 @@ void ObjectSurfaces::followVolume(ObjectSurface& surface, const Seen& seen,
         1, vector(cluster.content.low - cluster.origin, cluster.voxel * ObjectCluster::reach));
     field->setElement(2, vector(cluster.content.high - cluster.origin, 0.0));
     made->addUniform(field);
+    made->addUniform(
+        new osg::Uniform("osgTerrainLight_lampCount", static_cast<int>(found->lamps.size())));
+    if (!found->lamps.empty())
+    {
+        const auto most = static_cast<int>(ObjectLamp::most);
+        const osg::ref_ptr<osg::Uniform> lamps =
+            new osg::Uniform(osg::Uniform::FLOAT_VEC4, "osgTerrainLight_lamps", most);
+        const osg::ref_ptr<osg::Uniform> radiances =
+            new osg::Uniform(osg::Uniform::FLOAT_VEC3, "osgTerrainLight_lampRadiances", most);
+        for (unsigned i = 0; i < found->lamps.size(); ++i)
+        {
+            lamps->setElement(i, vector(found->lamps[i].centre, found->lamps[i].radius));
+            radiances->setElement(i, osg::Vec3f(vector(found->lamps[i].radiance)));
+        }
+        made->addUniform(lamps);
+        made->addUniform(radiances);
+    }
     surface._own.stateSet = made;
 }
 
@@ -375,6 +401,7 @@ void ObjectSurfaces::follow(const std::vector<Seen>& seen, const ObjectLight& li
     {
         const osg::ref_ptr<ObjectSurface> surface = surfaceOf(each, before);
         surface->toScene = each.toScene;
+        surface->_emission = each.object->getEmission();
         using Materials = ObjectSurface::Materials;
         surface->_materials = each.ownMaterials   ? Materials::Own
                               : each.hasMaterials ? Materials::Colours

@@ -36,13 +36,13 @@ public:
     bool lit = true;            ///< the light is on
     bool defaultProgram = true; ///< and objects without shaders get one
 
-    void setSunRadius(double degrees);
+    void set(double sunRadius, int coneCount);
 
 private:
     ~ObjectState() override = default;
 
-    osg::ref_ptr<osg::Uniform> _cones, _around;
-    double _sunRadius = -1.0;
+    double _sunRadius = -1.0; ///< [degrees]
+    int _coneCount = 0;
 };
 
 /// A placed object at one of its places, as it is lit.
@@ -65,6 +65,8 @@ private:
         osg::ref_ptr<osg::StateSet> stateSet;
         osg::ref_ptr<const ObjectVolumeNode> node;
         TileLight::ObjectRadiosity radiosity; ///< of the volume
+        std::vector<ObjectLamp> lamps;        ///< in it
+        osg::Vec3f plane;                     ///< of the ground, where there is radiosity
         osg::Vec3d origin;                    ///< of the volume, in the scene
     };
     const Light* lightIn(unsigned context) const;
@@ -78,6 +80,7 @@ private:
     /// In its volume; in the one before, until that is there; and without one.
     Light _own, _former, _open;
     ObjectBounds _content; ///< that _own knows
+    osg::Vec3f _emission;
     enum class Materials
     {
         None,

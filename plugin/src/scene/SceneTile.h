@@ -8,6 +8,7 @@
 #include <osgTerrainLight/TileHandle.h>
 
 #include <osg/Image>
+#include <osg/PagedLOD>
 #include <osgTerrain/Terrain>
 #include <osgTerrain/TerrainTile>
 
@@ -98,7 +99,12 @@ struct SceneTile
     bool byTexCoord = false;
     bool withoutGeometry = false; ///< when it was bound: its technique makes it late
     std::optional<FormerLight> former;
-    std::array<osg::Vec3d, 3> corners; ///< in its own frame, when it was bound
+    BorderParts borders;     ///< of the former light, where that is of a tile above
+    bool lacksAbove = false; ///< the light of the tile above, which its borders wait for
+    // Null where there is none.
+    osg::ref_ptr<osg::PagedLOD> finer;   ///< that has it, and finer ones in its place
+    osg::ref_ptr<osg::PagedLOD> coarser; ///< that has it among the finer ones
+    std::array<osg::Vec3d, 3> corners;   ///< in its own frame, when it was bound
 };
 
 } // namespace osgTerrainLight

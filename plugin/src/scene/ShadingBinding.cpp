@@ -230,9 +230,11 @@ ShadingBinding::ShadingBinding(osg::StateSet* stateSet, osg::Texture2D* shading,
     _formerPart = new osg::Uniform(ShadingTexture::formerPart, 0.0f);
     _formerMatrix = new osg::Uniform(ShadingTexture::formerMatrix, osg::Matrixf());
     _formerPosts = new osg::Uniform(ShadingTexture::formerPosts, osg::Vec2f());
+    _hasBorders = new osg::Uniform(ShadingTexture::hasBorders, false);
     add(_formerPart);
     add(_formerMatrix);
     add(_formerPosts);
+    add(_hasBorders);
     // Without a texture a sampler has the shading's unit: OpenGL forbids samplers of two types in
     // one.
     _edgeSampler = new osg::Uniform(ShadingTexture::edgeSampler, static_cast<int>(unit));
@@ -381,9 +383,11 @@ void ShadingBinding::setObjects(osg::Texture2D* factor, const TileObjects& objec
     _objectCount->set(static_cast<int>(count));
 }
 
-void ShadingBinding::setFormer(const FormerLight& light, const osg::Matrixd& toFormer)
+void ShadingBinding::setFormer(const FormerLight& light, const osg::Matrixd& toFormer,
+                               const osg::Matrixd& toShading)
 {
     removeFormer();
+    _toShading = toShading;
     install(_former, borrowed(light.shading).get(), ShadingTexture::formerUnit);
     _formerSampler->set(static_cast<int>(ShadingTexture::formerUnit));
     if (light.edges)
@@ -396,12 +400,37 @@ void ShadingBinding::setFormer(const FormerLight& light, const osg::Matrixd& toF
     _formerPart->set(1.0f);
 }
 
-void ShadingBinding::setFade(double own)
+void ShadingBinding::setFade(double own, const BorderParts& borders)
 {
-    if (own >= 1.0)
-        removeFormer();
-    else
-        _formerPart->set(1.0f - static_cast<float>(own));
+    if (own >= 1.0 && !borders.any())
+        return removeFormer();
+    _formerPart->set(1.0f - static_cast<float>(own));
+    setBorders(borders);
+}
+
+void ShadingBinding::setBorders(const BorderParts& borders)
+{
+    _hasBorders->set(borders.any());
+    if (!borders.any())
+        return;
+    if (!_borders)
+    {
+        _borders = new osg::Uniform(ShadingTexture::borders, osg::Vec4f());
+        _corners = new osg::Uniform(ShadingTexture::borderCorners, osg::Vec4f());
+        _drawn = new osg::Uniform(ShadingTexture::drawn, osg::Vec4f());
+        _bands = new osg::Uniform(ShadingTexture::bands, osg::Vec2f());
+        for (osg::Uniform* uniform : {_borders.get(), _corners.get(), _drawn.get(), _bands.get()})
+            add(uniform);
+    }
+    const auto vector = [](const std::array<float, 4>& parts)
+    { return osg::Vec4f(parts[0], parts[1], parts[2], parts[3]); };
+    _borders->set(vector(borders.sides));
+    _corners->set(vector(borders.corners));
+    const osg::Vec3d first = osg::Vec3d(0.0, 0.0, 0.0) * _toShading;
+    const osg::Vec3d last = osg::Vec3d(1.0, 1.0, 0.0) * _toShading;
+    _drawn->set(osg::Vec4f(osg::Vec4d(first.x(), first.y(), last.x(), last.y())));
+    constexpr float band = 8.0f; // [posts]
+    _bands->set(texelsOf(*_shading.texture) / band);
 }
 
 void ShadingBinding::removeFormer()
@@ -414,6 +443,7 @@ void ShadingBinding::removeFormer()
     _formerEdgeSampler->set(static_cast<int>(unit()));
     _formerPosts->set(osg::Vec2f());
     _formerPart->set(0.0f);
+    _hasBorders->set(false);
 }
 
 void ShadingBinding::setHasColour(bool hasColour)

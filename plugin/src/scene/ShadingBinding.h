@@ -61,11 +61,14 @@ public:
     static constexpr std::size_t mostObjects = 8; ///< as in terrain_shading.glsl
 
     /// Former light, in its units. toFormer: from the texture coordinates of the shading to those
-    /// of the former one. All of the light is the former one until setFade().
-    void setFormer(const FormerLight& light, const osg::Matrixd& toFormer);
-    /// How much of the light is the tile's own, 0 … 1. At 1 the former light is let go, and nothing
-    /// is in its units.
-    void setFade(double own);
+    /// of the former one. toShading: to the former coordinates, from places on the tile that is
+    /// drawn, (0, 0) to (1, 1). All of the light is the former one until setFade().
+    void setFormer(const FormerLight& light, const osg::Matrixd& toFormer,
+                   const osg::Matrixd& toShading = {});
+    /// How much of the light is the tile's own, 0 … 1, and what of the former light there is at
+    /// least along borders. Where there is none of it the former light is let go, and nothing is in
+    /// its units.
+    void setFade(double own, const BorderParts& borders = {});
 
     /// Whether texture unit 0 holds the tile's colours. Effective with a program.
     void setHasColour(bool hasColour);
@@ -86,6 +89,7 @@ private:
     template <class T>
     static void remove(osg::StateSet& stateSet, const Bound<T>& bound);
     void removeFormer();
+    void setBorders(const BorderParts& borders);
     void add(osg::Uniform* uniform);
     void removeAll(osg::StateSet& stateSet) const;
 
@@ -94,6 +98,7 @@ private:
     osg::ref_ptr<osg::StateSet> _stateSet;
     Bound<osg::Texture2D> _shading, _edges, _former, _formerEdges, _objects;
     Bound<osg::Texture2DArray> _gloss;
+    osg::Matrixd _toShading; ///< effective with former light
     osg::ref_ptr<osg::Program> _program;
     osg::Object::DataVariance _theirVariance;
 
@@ -107,7 +112,7 @@ private:
     osg::StateSet::RefAttributePair _theirProgram;
     osg::ref_ptr<osg::Uniform> _hasColour, _edgeSampler, _hasEdges, _posts;
     osg::ref_ptr<osg::Uniform> _formerPart, _formerSampler, _formerMatrix, _formerEdgeSampler,
-        _formerPosts;
+        _formerPosts, _hasBorders, _borders, _corners, _drawn, _bands;
     osg::ref_ptr<osg::Uniform> _objectSampler, _objectCount, _objectPlaces, _objectCorners;
     osg::ref_ptr<Mark> _mark;
     bool _retired = false;

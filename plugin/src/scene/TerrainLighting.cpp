@@ -130,7 +130,7 @@ void TerrainLighting::Implementation::update(unsigned updatesBelow, const osg::F
         textureRevision = scheduler->textureRevision();
         registry.forEach([this](SceneTile& tile) { binder.followTextures(tile); });
     }
-    terrain.fades.update(stamp);
+    terrain.fades.update(stamp, scheduler->enabled);
     followObjects();
     if (probes.follow(registry))
         scheduler->touch();
@@ -149,7 +149,7 @@ void TerrainLighting::Implementation::followObjects()
     state.scene = uniforms.stateSet();
     state.lit = scheduler->enabled;
     state.defaultProgram = terrain.defaultProgram;
-    state.setSunRadius(sky.sunAngularRadius);
+    state.set(sky.sunAngularRadius, settings.objectCones);
     const bool none = probes.empty();
     if (objects.follow(scheduler->objects(), registry, probes, owner, sky))
         scheduler->touch();

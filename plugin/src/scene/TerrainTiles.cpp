@@ -68,6 +68,7 @@ void TerrainTiles::came(const FoundTile& found)
     SceneTile& tile = _registry.add(handle);
     tile.terrain = found.tile;
     tile.isNew = true;
+    fades.place(tile, found.above);
     _tiles.push_back(handle);
     _new.push_back(handle);
 }
@@ -121,6 +122,8 @@ void TerrainTiles::changed(const FoundTile& found)
 {
     settle();
     SceneTile* tile = _registry.find(_registry.handleOf(*found.tile));
+    if (tile && tile->terrain == found.tile)
+        fades.place(*tile, found.above);
     if (tile && tile->terrain == found.tile && !tile->isNew)
         use(*tile, found, false);
     else if (!tile)
@@ -138,6 +141,7 @@ void TerrainTiles::went(osgTerrain::TerrainTile& terrain)
     _binder.release(*tile);
     _neighbours.remove(handle);
     _registry.remove(handle);
+    fades.follow(handle);
     _tiles.erase(std::find(_tiles.begin(), _tiles.end(), handle));
 }
 

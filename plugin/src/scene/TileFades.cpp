@@ -1,10 +1,13 @@
 #include "scene/TileFades.h"
 
+#include "scene/FadingLod.h"
+
 #include <osgTerrain/Layer>
 #include <osgTerrain/Locator>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace osgTerrainLight
 {
@@ -101,13 +104,34 @@ void end(SceneTile& tile)
     if (tile.lit)
         tile.lit->setFormer(std::nullopt);
     tile.former.reset();
+    tile.borders = {};
+}
+
+/// By a step at most.
+double towards(double value, double goal, double step)
+{
+    const double change = std::clamp(goal - value, -step, step);
+    // Sums of steps are not exact.
+    return std::abs(goal - value - change) < 1.0e-6 ? goal : value + change;
 }
 } // namespace
 
+void TileFades::place(SceneTile& tile, const osg::NodePath& above)
+{
+    const bool isKnown = tile.finer.valid();
+    TileLevels::place(tile, above);
+    if (tile.finer && !isKnown &&
+        std::none_of(_families.begin(), _families.end(),
+                     [&](const Family& family) { return family.handle == tile.handle; }))
+        _families.push_back({tile.handle});
+}
+
 void TileFades::keep(SceneTile& tile) const
 {
-    if (tile.lit)
-        tile.former = lightOf(tile);
+    if (!tile.lit)
+        return;
+    tile.former = lightOf(tile);
+    tile.borders = {};
 }
 
 std::optional<FormerLight> TileFades::above(const SceneTile& tile) const
@@ -119,16 +143,63 @@ std::optional<FormerLight> TileFades::above(const SceneTile& tile) const
         if (!other || !other->terrain)
             continue;
         // Of the two lights that a tile fades between the nearer one.
-        const bool early = other->former && other->former->fading && part(*other) < 0.5;
+        const bool early = other->former && !other->former->waits && other->former->part > 0.5;
         std::optional<FormerLight> light = early ? other->former : lightOf(*other);
         const std::optional<osg::Matrixd> way = light ? wayTo(tile, *other) : std::nullopt;
         if (!way)
             continue;
         light->toTexture = *way * light->toTexture;
-        light->fading.reset();
+        light->isAbove = true;
+        light->waits = true;
+        light->part = 1.0;
         return light;
     }
     return std::nullopt;
+}
+
+/// Binds the former light that the tile has. False where it is not drawn with it, and loses it.
+bool TileFades::borrow(SceneTile& tile) const
+{
+    // Who has put a texture there keeps it, and the tile is drawn without.
+    const osg::StateSet& stateSet = *tile.binding->stateSet();
+    for (const unsigned unit : {ShadingTexture::formerUnit, ShadingTexture::formerEdgeUnit})
+        if (unit == tile.binding->unit() || unit == _units.gloss ||
+            stateSet.getTextureAttribute(unit, osg::StateAttribute::TEXTURE))
+        {
+            tile.former.reset();
+            return false;
+        }
+    const osg::Matrixd own = toTexture(tile);
+    tile.binding->setFormer(*tile.former, osg::Matrixd::inverse(own) * tile.former->toTexture, own);
+    tile.lit->setFormer(tile.former->contexts, !tile.former->waits);
+    if (tile.former->waits || tile.lit->isFormerEverywhere())
+        return true;
+    end(tile);
+    return false;
+}
+
+/// Gives a tile that has its own light that of a tile above besides, of which nothing is drawn yet.
+bool TileFades::addAbove(SceneTile& tile) const
+{
+    tile.former = above(tile);
+    if (!tile.former)
+        return false;
+    tile.former->waits = false;
+    tile.former->part = 0.0;
+    return borrow(tile);
+}
+
+/// Whether the tile above has been lit since, or anew, into another texture.
+bool TileFades::isRenewed(const SceneTile& tile) const
+{
+    const SceneTile* next =
+        _registry.find(TileHandle::at(tile.handle.level - 1, tile.handle.x / 2, tile.handle.y / 2));
+    if (next && next->lit && next->binding && !next->former &&
+        next->lit->lighting().shading() == tile.former->shading &&
+        next->binding->edges() == tile.former->edges)
+        return false; // as nearly always
+    const std::optional<FormerLight> now = above(tile);
+    return now && !(now->shading == tile.former->shading && now->edges == tile.former->edges);
 }
 
 void TileFades::begin(SceneTile& tile)
@@ -139,84 +210,217 @@ void TileFades::begin(SceneTile& tile)
     tile.corners = corners;
     if (!tile.former && tile.terrain)
         tile.former = above(tile);
+    follow(tile.handle);
     if (!tile.former)
         return;
-    // Who has put a texture there keeps it, and the tile is drawn unlit meanwhile.
-    const osg::StateSet& stateSet = *tile.binding->stateSet();
-    for (const unsigned unit : {ShadingTexture::formerUnit, ShadingTexture::formerEdgeUnit})
-        if (unit == tile.binding->unit() || unit == _units.gloss ||
-            stateSet.getTextureAttribute(unit, osg::StateAttribute::TEXTURE))
-        {
-            tile.former.reset();
-            return;
-        }
-    tile.former->fading.reset();
-    tile.binding->setFormer(*tile.former,
-                            osg::Matrixd::inverse(toTexture(tile)) * tile.former->toTexture);
-    tile.lit->setFormer(tile.former->contexts);
-    if (std::find(_tiles.begin(), _tiles.end(), tile.handle) == _tiles.end())
-        _tiles.push_back(tile.handle);
+    tile.former->waits = true;
+    tile.former->part = 1.0;
+    if (borrow(tile))
+        _tiles.insert(tile.handle);
 }
 
-bool TileFades::follow(SceneTile& tile) const
+void TileFades::follow(const TileHandle& handle)
 {
-    if (!tile.former || !tile.lit)
-        return false; // bound again, it begins again
-    FormerLight& former = *tile.former;
-    LitTile& lit = *tile.lit;
-    if (!lit.isFormerEverywhere() || !lit.failure().empty())
+    if (handle.level < 0)
+        return;
+    _tiles.insert(handle);
+    for (const TileHandle& neighbour : TileLevels::around(handle))
+        if (_registry.find(neighbour))
+            _tiles.insert(neighbour);
+}
+
+/// The part of former light that all of the tile has, moved by a step.
+double TileFades::faded(const SceneTile& tile, bool isCurrent) const
+{
+    const bool leaves = TileLevels::leaves(tile) && tile.former->isAbove && isCurrent;
+    return towards(tile.former->part, leaves ? 1.0 : 0.0, _step);
+}
+
+/// Moves the part of former light that all of the tile has.
+void TileFades::fade(SceneTile& tile)
+{
+    const bool isLit = tile.lit->state().stage == Stage::Lit;
+    if (!tile.former && isLit && TileLevels::leaves(tile))
+        addAbove(tile);
+    if (!tile.former)
+        return;
+    if (!tile.lit->isFormerEverywhere() || !tile.lit->failure().empty())
+        return end(tile);
+    // Nobody sees it.
+    if (tile.former->isAbove && !_levels.isReached(tile) && isRenewed(tile))
     {
+        const bool waits = tile.former->waits;
         end(tile);
-        return false;
+        if (!addAbove(tile))
+            return;
+        tile.former->part = 1.0;
+        tile.former->waits = waits;
+        tile.lit->setFormer(tile.former->contexts, !waits);
     }
-    const bool isLit = lit.state().stage == Stage::Lit;
-    if (isLit != former.fading.has_value())
+    FormerLight& former = *tile.former;
+    const double before = former.part;
+    const bool begins = isLit && former.waits;
+    if (isLit == former.waits)
     {
-        former.fading = isLit ? std::optional<double>(_now) : std::nullopt;
-        tile.binding->setFade(0.0);
-        lit.setFormer(former.contexts, isLit);
+        former.waits = !isLit;
+        former.part = 1.0;
+        tile.lit->setFormer(former.contexts, isLit);
     }
-    if (!isLit)
-        return true;
-    if (const double own = part(tile); own < 1.0)
-        tile.binding->setFade(own);
+    if (isLit && (!begins || !(seconds > 0.0)))
+        former.part = faded(tile, !former.isAbove || !isRenewed(tile));
+    if (former.part != before)
+        follow(tile.handle);
+}
+
+/// Moves the parts along the borders.
+void TileFades::blend(SceneTile& tile)
+{
+    BorderParts goal;
+    const bool isSeen = _levels.isReached(tile) && !TileLevels::isRefined(tile);
+    // Neither finer ones that take its place have it, nor did those whose place it takes.
+    const bool givesWay =
+        tile.finer && tile.finer->getNumChildren() > 1 && TileLevels::wantsFiner(*tile.finer);
+    if (tile.coarser && isSeen && !givesWay && !(tile.former && !tile.former->isAbove))
+    {
+        const std::array<TileHandle, 8> around = TileLevels::around(tile.handle);
+        for (std::size_t i = 0; i < 4; ++i)
+        {
+            goal.sides[i] = _levels.coarserPart(around[i]);
+            goal.corners[i] = _levels.coarserPart(around[4 + i]);
+        }
+    }
+    const bool isLit = tile.lit->state().stage == Stage::Lit;
+    if (!tile.former && goal.any() && isLit)
+        addAbove(tile);
+    // The one above may not be lit yet.
+    tile.lacksAbove =
+        !tile.former && tile.coarser && (goal.any() || !isLit) && tile.lit->failure().empty();
+    if (!tile.former)
+        return;
+    // Other light comes into the borders once the former one has gone.
+    if (isLit && tile.former->part <= 0.0 && goal.any() && isRenewed(tile))
+        goal = {};
+    // A tile that is drawn with the light above alone has it along borders from the first.
+    const double step = tile.former->part >= 1.0 || !isSeen ? 1.0 : _step;
+    for (std::size_t i = 0; i < 4; ++i)
+    {
+        const auto move = [step](float& part, float to)
+        { part = static_cast<float>(towards(double(part), double(to), step)); };
+        move(tile.borders.sides[i], goal.sides[i]);
+        move(tile.borders.corners[i], goal.corners[i]);
+    }
+    if (tile.former->part > 0.0 || tile.borders.any() || goal.any())
+        tile.binding->setFade(1.0 - tile.former->part, tile.borders);
     else
         end(tile);
-    return tile.former.has_value();
 }
 
-double TileFades::part(const SceneTile& tile) const
+/// Notes which tiles are drawn in the place of others, and which should be.
+void TileFades::followLevels(const osg::FrameStamp* stamp)
 {
-    const double passed = _now - *tile.former->fading;
-    return passed < seconds ? passed / seconds : 1.0;
+    for (std::size_t i = 0; i < _families.size();)
+    {
+        Family& family = _families[i];
+        const SceneTile* tile = _registry.find(family.handle);
+        if (!tile || !tile->finer)
+        {
+            family = _families.back();
+            _families.pop_back();
+            continue;
+        }
+        const bool isFading = tile->former && !tile->former->waits &&
+                              (tile->former->part > 0.0 || tile->borders.any());
+        if (auto* lod = dynamic_cast<FadingLod*>(tile->finer.get());
+            lod && stamp && isFading && !family.isRefined && lod->getNumChildren() > 1)
+            lod->holdCoarser(stamp->getFrameNumber());
+        const bool isRefined = TileLevels::isRefined(*tile->finer);
+        const bool wantsFiner = TileLevels::wantsFiner(*tile->finer);
+        const unsigned children = tile->finer->getNumChildren();
+        if (isRefined != family.isRefined || wantsFiner != family.wantsFiner ||
+            children != family.children)
+        {
+            family.isRefined = isRefined;
+            family.wantsFiner = wantsFiner;
+            family.children = children;
+            _tiles.insert(family.handle);
+            for (const SceneTile* child : _levels.below(*tile))
+                if (child)
+                    follow(child->handle);
+        }
+        ++i;
+    }
+}
+
+/// Whether the tile above may be drawn in the place of this one, and nobody sees a step.
+bool TileFades::mayLeave(const SceneTile& tile) const
+{
+    if (!tile.lit || !tile.binding || !tile.lit->failure().empty())
+        return true;
+    if (TileLevels::isRefined(tile))
+        return false;
+    return !tile.former || (tile.former->isAbove && tile.former->part >= 1.0 && !isRenewed(tile));
+}
+
+/// Finer tiles stay until they have the light above.
+void TileFades::hold(const osg::FrameStamp* stamp)
+{
+    if (!stamp || !(seconds > 0.0))
+        return;
+    for (const Family& family : _families)
+    {
+        const SceneTile* tile = _registry.find(family.handle);
+        auto* lod = tile ? dynamic_cast<FadingLod*>(tile->finer.get()) : nullptr;
+        // What was not drawn in the last frame is no longer seen: it goes at once.
+        if (!lod || !family.isRefined ||
+            lod->getFrameNumberOfLastTraversal() + 1 < stamp->getFrameNumber())
+            continue;
+        bool isHeld = family.wantsFiner;
+        if (!isHeld)
+            for (const SceneTile* child : _levels.below(*tile))
+                isHeld = isHeld || (child && !mayLeave(*child));
+        if (isHeld)
+            lod->holdFiner(stamp->getFrameNumber());
+    }
 }
 
 /// By simulation time, so that a flight that is recorded with a fixed time per frame is the same
 /// each time. Where that stands still, by reference time: else light would stay a former one.
 void TileFades::advance(const osg::FrameStamp* stamp)
 {
+    _step = 1.0;
     if (!stamp)
-    {
-        _now += seconds;
         return;
-    }
     const double simulation = stamp->getSimulationTime() - _simulation;
     const double reference = stamp->getReferenceTime() - _reference;
-    _now += simulation > 0.0 ? simulation : std::max(reference, 0.0);
+    const double passed = simulation > 0.0 ? simulation : std::max(reference, 0.0);
+    if (passed < seconds)
+        _step = passed / seconds;
     _simulation = stamp->getSimulationTime();
     _reference = stamp->getReferenceTime();
 }
 
-void TileFades::update(const osg::FrameStamp* stamp)
+void TileFades::update(const osg::FrameStamp* stamp, bool isOn)
 {
     advance(stamp);
-    _tiles.erase(std::remove_if(_tiles.begin(), _tiles.end(),
-                                [this](const TileHandle& handle)
-                                {
-                                    SceneTile* tile = _registry.find(handle);
-                                    return !tile || !follow(*tile);
-                                }),
-                 _tiles.end());
+    followLevels(isOn ? stamp : nullptr);
+    const auto forEach = [this](void (TileFades::*what)(SceneTile&))
+    {
+        for (const TileHandle& handle : std::vector<TileHandle>(_tiles.begin(), _tiles.end()))
+            if (SceneTile* tile = _registry.find(handle); tile && tile->lit && tile->binding)
+                (this->*what)(*tile);
+    };
+    if (!_tiles.empty())
+    {
+        forEach(&TileFades::fade);
+        forEach(&TileFades::blend);
+    }
+    for (auto handle = _tiles.begin(); handle != _tiles.end();)
+    {
+        const SceneTile* tile = _registry.find(*handle);
+        const bool stays = tile && tile->lit && (tile->former || tile->lacksAbove);
+        handle = stays ? std::next(handle) : _tiles.erase(handle);
+    }
+    hold(isOn ? stamp : nullptr);
 }
 
 void TileFades::releaseGLObjects(osg::State* state) const

@@ -24,7 +24,9 @@ namespace
 constexpr std::size_t mostMarks = 256; // a driver that is so far behind is not asked for more
 // Weight of the newest piece in a mean that it raises or lowers.
 constexpr double higher = 0.5, lower = 0.25;
-constexpr double rising = 1.02;   // of the least, per piece
+constexpr double rising = 1.2;    // of the least, per piece: about eight matter
+constexpr double growing = 2.0;   // pieces of a kind, at most, over their mean
+constexpr double slowed = 0.25;   // least over mean, where other threads are in the way
 constexpr double tolerated = 1.1; // of the budget: as much again is left for what is not foreseen
 constexpr double largest = 1.0 / 8.0; // piece, of the budget
 // A first piece takes as long [ms] where the budget is less: more pieces would cost more.
@@ -97,7 +99,7 @@ void WorkClock::step(osg::State& state, const std::string& kind, unsigned groups
     ++_steps;
     _expected += cost.gpu.value() * groups;
     mark(state, &cost, groups);
-    cost.wall.add((_now() - _started) / groups);
+    cost.wall.add((_now() - _started) / groups, groups);
 }
 
 double WorkClock::spent() const
@@ -119,18 +121,33 @@ double WorkClock::least(const std::string& kind) const
                                  : std::max(found->second.wall.least(), found->second.gpu.least());
 }
 
-/// The first piece of a kind also compiles shaders: what is far below the mean takes its place.
-void WorkClock::Mean::add(double value)
+double WorkClock::groups(const std::string& kind) const
+{
+    const auto found = _costs.find(kind);
+    return found == _costs.end() ? 0.0 : found->second.wall.groups();
+}
+
+/// The first piece of a kind also compiles shaders: what is far below the mean takes its place. But
+/// groups of a kind need not take the same (those at the ends of a sweep have short lines, or
+/// none), so that a piece of few groups says little.
+void WorkClock::Mean::add(double value, unsigned groups)
 {
     value = std::max(value, 1.0e-9); // a clock that is too coarse
-    if (_least == 0.0 || value < _least)
-        _least = value;
-    else
+    if (_value == 0.0)
+    {
+        _value = _least = value;
+        _groups = 1.0;
+        return;
+    }
+    const double part = std::min(groups / _groups, 1.0);
+    const bool isTypical = part >= 0.75;
+    if (isTypical)
         _least = std::min(value, rising * _least);
-    if (_value == 0.0 || value < 0.5 * _value)
+    if (isTypical && value < 0.5 * _value)
         _value = value;
     else
-        _value += (value > _value ? higher : lower) * (value - _value);
+        _value += part * (value > _value ? higher : lower) * (value - _value);
+    _groups += lower * (groups - _groups);
 }
 
 void WorkClock::mark(osg::State& state, Cost* cost, unsigned groups)
@@ -172,7 +189,8 @@ void WorkClock::collect(osg::State& state)
         _queries.push_back(mark.query);
         _marks.pop_front();
         if (mark.cost && time >= _last)
-            mark.cost->gpu.add(1.0e-6 * static_cast<double>(time - _last) / mark.groups);
+            mark.cost->gpu.add(1.0e-6 * static_cast<double>(time - _last) / mark.groups,
+                               mark.groups);
         _last = time;
     }
 }
@@ -203,8 +221,12 @@ unsigned FramePace::choose(const std::string& kind, unsigned left, unsigned leas
     if (isFirst)
         time = std::max(time, shortest);
     // By the least: where other threads are in the way, pieces by the mean would become smaller and
-    // smaller, each as long as the wait for a processor.
-    const double groups = std::min(time / _clock.least(kind), static_cast<double>(left));
+    // smaller, each as long as the wait for a processor. But groups of a kind need not take the
+    // same, so the mean bounds pieces, and what is left of the frame goes by it.
+    const double mild = std::max(_clock.least(kind), slowed * each);
+    const double room = tolerated * _limit - spent;
+    const double groups = std::min({time / mild, (isFirst ? std::max(room, shortest) : room) / each,
+                                    growing * _clock.groups(kind), static_cast<double>(left)});
     return std::max(least, static_cast<unsigned>(std::max(groups, 0.0)));
 }
 

@@ -48,6 +48,8 @@ public:
     double expected(const std::string& kind) const;
     /// What it takes where nothing is in the way: the least, which rises slowly.
     double least(const std::string& kind) const;
+    /// Of a piece of a kind, a moving mean; 1 after its first one.
+    double groups(const std::string& kind) const;
     /// Pieces since the frame began.
     unsigned steps() const { return _steps; }
 
@@ -55,13 +57,16 @@ private:
     class Mean
     {
     public:
-        void add(double value);
+        /// value: of a group, in a piece of so many.
+        void add(double value, unsigned groups);
         double value() const { return _value; }
         double least() const { return _least; }
+        double groups() const { return _groups; }
 
     private:
         double _value = 0.0; ///< 0: none was added
         double _least = 0.0;
+        double _groups = 0.0; ///< of a piece
     };
     struct Cost
     {
@@ -96,7 +101,7 @@ private:
 /// Keeps the work of a frame within its budget.
 ///
 /// A piece whose kind has been measured runs where it is expected to end before a tenth more than
-/// the budget has been spent, and takes an eighth of it at most, so that no piece whose time turns
+/// the budget has been spent, and takes about an eighth of it, so that no piece whose time turns
 /// out otherwise matters much. The first piece of a frame runs in any case, so that the work comes
 /// to an end; a kind that was never measured runs as such only. What is not cut is one piece.
 class FramePace : public WorkPace

@@ -1,6 +1,7 @@
 #include "terrain/PagedTerrain.h"
 
 #include "lighting/TileWindows.h"
+#include "scene/FadingLod.h"
 #include "scene/TerrainTileReader.h"
 #include "terrain/DrawnTile.h"
 
@@ -204,7 +205,7 @@ Result<osg::ref_ptr<osg::Node>> PagedTerrain::tile(const Place& place)
     }
     else
         sphere = flatSphere(place, dem, posts, there);
-    const osg::ref_ptr<osg::PagedLOD> node = new osg::PagedLOD;
+    const osg::ref_ptr<osg::PagedLOD> node = new FadingLod;
     node->setCenterMode(osg::LOD::USER_DEFINED_CENTER);
     node->setCenter(sphere.centre);
     node->setRadius(static_cast<osg::LOD::value_type>(sphere.radius));

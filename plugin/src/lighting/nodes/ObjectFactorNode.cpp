@@ -12,7 +12,8 @@ namespace osgTerrainLight
 ObjectFactorNode::ObjectFactorNode(const TileInputs& inputs, const TileSurface& surface,
                                    const ObjectSurroundings& light, Radiosities sent,
                                    Resource* factor)
-    : AmongObjectsNode("object factor", "object_factor", inputs, surface, light, 16),
+    : AmongObjectsNode("object factor", "object_factor", inputs, surface, light,
+                       inputs.settings.objectCones),
       _sent(std::move(sent))
 {
     // It is drawn.

@@ -1,7 +1,9 @@
 #include "lighting/nodes/ObjectVolumeNode.h"
 
 #include "fields/DistanceGrid.h"
+#include "fields/SampledForm.h"
 #include "gpu/GlConstants.h"
+#include "gpu/Textures.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -16,20 +18,12 @@ namespace osgTerrainLight
 namespace
 {
 
-constexpr int shapeVectors = 8; ///< vec4 per shape of object_volume.comp
+constexpr int shapeVectors = 9; ///< vec4 per shape of object_volume.comp
 
 osg::Vec4f vector(const glm::dvec3& xyz, double w)
 {
     return {static_cast<float>(xyz.x), static_cast<float>(xyz.y), static_cast<float>(xyz.z),
             static_cast<float>(w)};
-}
-
-/// 8 bits of each colour, and an exponent that makes them a number that no GPU rounds or drops.
-int packed(const glm::dvec3& albedo)
-{
-    const auto code = [](double x)
-    { return static_cast<int>(std::lround(255.0 * std::clamp(x, 0.0, 1.0))); };
-    return code(albedo.x) | code(albedo.y) << 8 | code(albedo.z) << 16 | 0x40 << 24;
 }
 
 /// The bits of an integer where the shader reads one.
@@ -51,7 +45,7 @@ ObjectVolumeNode::ObjectVolumeNode(const ObjectCluster& cluster)
                                {cluster.voxels.x / ObjectCluster::cell,
                                 cluster.voxels.y / ObjectCluster::cell, 0, GL_RGBA16F_ARB,
                                 cluster.voxels.z / ObjectCluster::cell}))),
-      _pass(own(new GpuPass("object_volume")))
+      _formsTexture(own(new Resource("samples of forms"))), _pass(own(new GpuPass("object_volume")))
 {
     // It is drawn with, and what has moved is seen in it as a whole.
     _volume->keepWhole();
@@ -59,6 +53,7 @@ ObjectVolumeNode::ObjectVolumeNode(const ObjectCluster& cluster)
     reads(_shapesValue);
     writes(_volume);
     writes(_albedo);
+    _pass->reads("forms", _formsTexture);
     _pass->writes(0, _volume);
     _pass->writes(1, _albedo);
     _pass->set("voxel", static_cast<float>(cluster.voxel));
@@ -96,6 +91,35 @@ void ObjectVolumeNode::mark(Bricks& bricks, const ObjectShape& shape) const
                 bricks[static_cast<std::size_t>(x + count.x * (y + count.y * z))] = true;
 }
 
+/// Puts the samples of all forms into the texture that the shader reads. A form that deforms has
+/// others in every frame; the texture stays while their number does.
+void ObjectVolumeNode::setForms()
+{
+    _formRows.clear();
+    int rows = 0, width = 1;
+    for (const ObjectShape& shape : _cluster.shapes)
+        if (shape.form && _formRows.insert({shape.form.get(), rows}).second)
+        {
+            rows += shape.form->values.height();
+            width = std::max(width, shape.form->values.width());
+        }
+    rows = std::max(rows, 1);
+    if (!_forms || _forms->s() != width || _forms->t() != rows)
+    {
+        const osg::ref_ptr<osg::Texture2D> texture =
+            createFloatTexture(Raster<float>(width, rows, 0.0f));
+        _forms = texture->getImage();
+        _formsTexture->set(texture);
+    }
+    if (_formRows.empty())
+        return;
+    for (const auto& [form, row] : _formRows)
+        for (int y = 0; y < form->values.height(); ++y)
+            std::copy_n(&form->values.at(0, y), form->values.width(),
+                        reinterpret_cast<float*>(_forms->data(0u, static_cast<unsigned>(row + y))));
+    _forms->dirty();
+}
+
 /// Gives the pass what the shader reads of the shapes.
 void ObjectVolumeNode::setShapes()
 {
@@ -104,17 +128,27 @@ void ObjectVolumeNode::setShapes()
     osg::ref_ptr<osg::Vec4Array> values = new osg::Vec4Array;
     osg::ref_ptr<osg::FloatArray> distances = new osg::FloatArray;
     std::map<const DistanceGrid*, int> places;
+    setForms();
     for (const ObjectShape& shape : _cluster.shapes)
     {
         const RigidShape own = rigid(shape);
         const glm::dmat4 toOwn = own.fromScene * glm::translate(glm::dmat4(1.0), _cluster.origin);
         for (int row = 0; row < 3; ++row)
             values->push_back(vector({toOwn[0][row], toOwn[1][row], toOwn[2][row]}, toOwn[3][row]));
-        values->push_back(vector(own.size, static_cast<double>(shape.kind)));
+        const glm::dvec3 size = shape.form ? glm::dvec3(shape.form->range, 0.0) : own.size;
+        values->push_back(vector(size, static_cast<double>(shape.kind)));
         const ObjectBounds bounds = boundsOf(shape);
         values->push_back(vector(bounds.low - _cluster.origin, own.scale));
-        values->push_back(
-            vector(bounds.high - _cluster.origin, double(asFloat(packed(shape.albedo)))));
+        values->push_back(vector(bounds.high - _cluster.origin, 0.0));
+        values->push_back(vector(shape.albedo, 1.0));
+        if (shape.form)
+        {
+            const SampledForm& form = *shape.form;
+            values->push_back(vector({form.first, form.spacing.x}, form.spacing.y));
+            values->push_back(
+                osg::Vec4f(asFloat(form.side), asFloat(_formRows.at(&form)), 0.0f, 0.0f));
+            continue;
+        }
         if (!shape.grid)
         {
             values->push_back(osg::Vec4f());

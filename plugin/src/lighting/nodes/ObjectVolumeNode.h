@@ -4,6 +4,8 @@
 #include "gpu/ContextSet.h"
 #include "gpu/WorkGraph.h"
 
+#include <osg/Image>
+
 #include <map>
 #include <vector>
 
@@ -46,9 +48,10 @@ private:
     using Bricks = std::vector<bool>;
     void mark(Bricks& bricks, const ObjectShape& shape) const;
     void setShapes();
+    void setForms();
 
     ObjectCluster _cluster;
-    Resource *_shapesValue, *_volume, *_albedo;
+    Resource *_shapesValue, *_volume, *_albedo, *_formsTexture;
     GpuPass* _pass;
     struct Written
     {
@@ -61,6 +64,8 @@ private:
     std::vector<ObjectShape> _shapesSet;       ///< on the pass
     std::map<const DistanceGrid*, int> _grids; ///< likewise, and where each begins
     bool _isSet = false;
+    osg::ref_ptr<osg::Image> _forms;             ///< samples of forms one above the other, R32F
+    std::map<const SampledForm*, int> _formRows; ///< where each begins
     std::size_t _lastBricks = 0;
 };
 

@@ -1,10 +1,21 @@
-#include "core/EdgeBlend.h"
+// What a tile beside coarser ones shows, in its definition, and that the shader of hosts shows it.
+#include "support/EdgeBlend.h"
+
+#include "gpu/GpuPass.h"
+#include "gpu/ShaderLibrary.h"
+#include "gpu/Textures.h"
+#include "support/GlContext.h"
+#include "support/ShaderFolder.h"
+#include <osgTerrainLight/ShadingTexture.h>
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
+#include <string>
+#include <vector>
 
 using namespace osgTerrainLight;
 
@@ -193,4 +204,116 @@ TEST(EdgeBlend, KeepsColoursAndVoids)
     EXPECT_FLOAT_EQ(middle[0], (1.0f - part) * 0.1f + part * 1.0f);
     EXPECT_FLOAT_EQ(middle[1], (1.0f - part) * 0.2f + part * 2.0f);
     EXPECT_FLOAT_EQ(middle[2], (1.0f - part) * 0.7f + part * 3.0f);
+}
+
+namespace
+{
+/// terrainShading() at the posts of a tile that is drawn, which has a margin in its texture.
+Raster<Rgb> shadingOf(osg::State& state, const Raster<Rgb>& own, const Raster<Rgb>& parent,
+                      int margin, const CoarserNeighbours& coarser)
+{
+    static int count = 0;
+    const std::string name = "test_borders_" + std::to_string(++count);
+    const Result<std::string> host = ShaderLibrary::instance().source("host/terrain_shading.glsl");
+    EXPECT_TRUE(host.ok());
+    const ShaderFile file("passes/" + name + ".comp", R"(
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(rgba32f, binding = 0) writeonly uniform image2D found;
+uniform ivec2 margin;
+)" + *host + R"(
+void main()
+{
+    ivec2 post = ivec2(gl_GlobalInvocationID.xy);
+    vec2 posts = vec2(textureSize(osgTerrainLight_shading, 0));
+    imageStore(found, post, terrainShading((vec2(post + margin) + 0.5) / posts));
+}
+)");
+    const int width = own.width() - 2 * margin, height = own.height() - 2 * margin;
+    const osg::ref_ptr<GpuPass> pass = new GpuPass(name);
+    const osg::ref_ptr<osg::Texture2D> target = createTarget(width, height, GL_RGBA32F_ARB);
+    const osg::ref_ptr<osg::Texture2D> ownTexture = createColourTexture(own);
+    const osg::ref_ptr<osg::Texture2D> parentTexture = createColourTexture(parent);
+    pass->writes(0, target);
+    pass->reads(ShadingTexture::sampler, ownTexture);
+    pass->reads(ShadingTexture::formerSampler, parentTexture);
+    pass->set("margin", margin, margin);
+    // Tile coordinates to texels of the tile and of the parent, of which it is the north-east.
+    const auto texels = [](double first, double cells, const Raster<Rgb>& raster)
+    {
+        return osg::Matrixd::scale(cells / raster.width(), cells / raster.height(), 1.0) *
+               osg::Matrixd::translate((first + 0.5) / raster.width(),
+                                       (first + 0.5) / raster.height(), 0.0);
+    };
+    const double cells = width - 1;
+    const osg::Matrixd toOwn = texels(margin, cells, own);
+    const osg::Matrixd toParent = texels(parent.width() - 1 - cells / 2.0, cells / 2.0, parent);
+    pass->set(new osg::Uniform(ShadingTexture::formerMatrix,
+                               osg::Matrixf(osg::Matrixd::inverse(toOwn) * toParent)));
+    const auto part = [](bool isCoarser) { return isCoarser ? 1.0f : 0.0f; };
+    pass->set(ShadingTexture::hasBorders, coarser.any());
+    pass->set(ShadingTexture::borders, osg::Vec4f(part(coarser.west), part(coarser.south),
+                                                  part(coarser.east), part(coarser.north)));
+    pass->set(ShadingTexture::borderCorners,
+              osg::Vec4f(part(coarser.southWest), part(coarser.southEast), part(coarser.northWest),
+                         part(coarser.northEast)));
+    const osg::Vec3d first = osg::Vec3d() * toOwn, last = osg::Vec3d(1.0, 1.0, 0.0) * toOwn;
+    pass->set(ShadingTexture::drawn,
+              osg::Vec4f(osg::Vec4d(first.x(), first.y(), last.x(), last.y())));
+    pass->set(ShadingTexture::bands, osg::Vec2f(osg::Vec2d(own.width() / 8.0, own.height() / 8.0)));
+    const Status done =
+        pass->dispatch(state, {GpuPass::groupsFor(width, 8), GpuPass::groupsFor(height, 8), 1});
+    EXPECT_TRUE(done.ok()) << (done ? "" : done.error().message);
+    const std::vector<float> values = readFloats(state, *target, 4);
+    Raster<Rgb> result(width, height);
+    for (std::size_t i = 0; i < result.size(); ++i)
+        result.at(int(i) % width, int(i) / width) = {values[4 * i], values[4 * i + 1],
+                                                     values[4 * i + 2]};
+    EXPECT_EQ(takeGlErrors(), "");
+    return result;
+}
+} // namespace
+
+// Expected: the shader of hosts gives what is defined here, for all ways in which the neighbours of
+// a tile can be coarser. Lights are multiples of 1/64 below 4, exact in the textures. The mixture
+// is so to 8 roundings of its parts (1e-6 of 4), and those of texture coordinates, which are out by
+// 1e-5 of a band.
+TEST(EdgeBlend, IsThatOfTheShader)
+{
+    OTL_NEED_GL(context);
+    constexpr int posts = 33, margin = 5;
+    std::mt19937 random(7);
+    const auto noise = [&random](int size)
+    {
+        Raster<Rgb> light(size, size);
+        for (int row = 0; row < size; ++row)
+            for (int column = 0; column < size; ++column)
+                for (float& value : light.at(column, row))
+                    value = static_cast<float>(random() % 256) / 64.0f;
+        return light;
+    };
+    const Raster<Rgb> own = noise(posts + 2 * margin), parent = noise(posts);
+    Raster<Rgb> drawn(posts, posts);
+    for (int row = 0; row < posts; ++row)
+        for (int column = 0; column < posts; ++column)
+            drawn.at(column, row) = own.at(column + margin, row + margin);
+    for (unsigned pattern = 0; pattern < 256; pattern = pattern < 16 ? pattern + 1 : pattern + 13)
+    {
+        CoarserNeighbours coarser;
+        bool* flags[] = {&coarser.west,      &coarser.east,      &coarser.south,
+                         &coarser.north,     &coarser.southWest, &coarser.southEast,
+                         &coarser.northWest, &coarser.northEast};
+        for (unsigned i = 0; i < 8; ++i)
+            *flags[i] = ((pattern >> i) & 1u) != 0u;
+        Raster<Rgb> expected = drawn;
+        const PostRect place{32, 32, posts, posts}, parentPlace{0, 0, posts, posts};
+        blendToParent(expected, place, parent, parentPlace, 1, edgeBlend(posts, posts, coarser));
+        const Raster<Rgb> found = shadingOf(context->state(), own, parent, margin, coarser);
+        float most = 0.0f;
+        for (int row = 0; row < posts; ++row)
+            for (int column = 0; column < posts; ++column)
+                for (std::size_t i = 0; i < 3; ++i)
+                    most = std::max(
+                        most, std::abs(found.at(column, row)[i] - expected.at(column, row)[i]));
+        EXPECT_LE(most, 1.0e-4f) << pattern;
+    }
 }

@@ -1,4 +1,4 @@
-#include "core/EdgeBlend.h"
+#include "support/EdgeBlend.h"
 
 #include <algorithm>
 #include <cassert>
