@@ -328,7 +328,19 @@ osg::ref_ptr<osg::MatrixTransform> placed(PlacedObject& object, double east, dou
     return place;
 }
 
-Objects addVillage(osg::Group& scene)
+osg::ref_ptr<PlacedObject> solid(osg::Shape* shape, const osg::Vec4& colour)
+{
+    const osg::ref_ptr<osg::ShapeDrawable> drawn = new osg::ShapeDrawable(shape);
+    drawn->setColor(colour);
+    const osg::ref_ptr<osg::Geode> geode = new osg::Geode;
+    geode->addDrawable(drawn);
+    const osg::ref_ptr<PlacedObject> object = new PlacedObject;
+    object->addChild(geode);
+    return object;
+}
+
+/// lamps: whether they are lit.
+Objects addVillage(osg::Group& scene, bool lamps)
 {
     struct Place
     {
@@ -358,6 +370,18 @@ Objects addVillage(osg::Group& scene)
     for (const auto& each : trees)
         add(tree(float(each[2]), 0.3f * float(each[2])), each[0], each[1], 0.0);
     add((new Blob)->object(), 3.0, -18.0, 0.0);
+    const double lampPosts[][2] = {{8.5, -8.0}, {-5.5, -3.0}, {-9.0, -16.0}};
+    for (const auto& each : lampPosts)
+    {
+        add(solid(new osg::Cylinder(osg::Vec3(0.0f, 0.0f, 1.5f), 0.12f, 3.4f),
+                  osg::Vec4(0.2f, 0.2f, 0.2f, 1.0f)),
+            each[0], each[1], 0.0);
+        const osg::ref_ptr<PlacedObject> lamp =
+            solid(new osg::Sphere(osg::Vec3(0.0f, 0.0f, 3.5f), 0.3f), osg::Vec4(1, 1, 1, 1));
+        if (lamps)
+            lamp->setEmission(osg::Vec3f(12.0f, 8.0f, 3.5f));
+        add(lamp, each[0], each[1], 0.0);
+    }
     const osg::ref_ptr<PlacedObject> driven = car();
     objects.push_back(driven);
     const osg::ref_ptr<osg::MatrixTransform> way = new osg::MatrixTransform(Drive::at(0.0));
@@ -447,16 +471,19 @@ int main(int argc, char** argv)
     }
     const osg::ref_ptr<TerrainLighting> lit = new TerrainLighting;
     lit->addChild(createGround());
-    const Objects objects = addVillage(*lit);
-    lit->setSkyLight(lightAt(hour));
+    const SkyLight light = lightAt(hour);
+    const bool isDusk = light.sunElevation < 4.0; // degrees
+    const Objects objects = addVillage(*lit, isDusk);
+    lit->setSkyLight(light);
     LightingSettings settings = lit->getSettings();
     settings.bounces = 1;
-    settings.exposure = 1.0; // stops
+    settings.exposure = isDusk ? 2.5 : 1.0; // stops
     lit->setSettings(settings);
 
     osgViewer::Viewer viewer;
     viewer.setSceneData(lit);
-    viewer.getCamera()->setClearColor(osg::Vec4(0.62f, 0.72f, 0.85f, 1.0f));
+    viewer.getCamera()->setClearColor(isDusk ? osg::Vec4(0.35f, 0.38f, 0.5f, 1.0f)
+                                             : osg::Vec4(0.62f, 0.72f, 0.85f, 1.0f));
     if (!file.empty())
         return drawPicture(viewer, *lit, objects, file);
     viewer.addEventHandler(new LightingHandler(lit));

@@ -98,6 +98,7 @@ const std::map<std::string, std::string> otherValues = {
     {"gloss-transfer", "scalar"},
     {"gloss-viewer", "1,0,0"},
     {"shadow-edges", "on"},
+    {"object-cones", "32"},
     {"exposure", "2"},
     {"sun-azimuth", "100"},
     {"sun-elevation", "10"},
