@@ -21,13 +21,6 @@ void FadingLod::traverse(osg::NodeVisitor& visitor)
         getNumChildren() < 2)
         return osg::PagedLOD::traverse(visitor);
     const unsigned frame = stamp->getFrameNumber();
-    if (frame < getFrameNumberOfLastTraversal())
-    {
-        // Another viewer, whose frames begin anew.
-        setFrameNumber(0, 0);
-        setFrameNumber(1, 0);
-        _finer = _coarser = 0;
-    }
     if (!(cull->getLODScale() > 0.0f))
     {
         _finer = frame; // it draws the finest

@@ -370,9 +370,7 @@ void TileFades::hold(const osg::FrameStamp* stamp)
     {
         const SceneTile* tile = _registry.find(family.handle);
         auto* lod = tile ? dynamic_cast<FadingLod*>(tile->finer.get()) : nullptr;
-        // What was not drawn in the last frame is no longer seen: it goes at once.
-        if (!lod || !family.isRefined ||
-            lod->getFrameNumberOfLastTraversal() + 1 < stamp->getFrameNumber())
+        if (!lod || !family.isRefined)
             continue;
         bool isHeld = family.wantsFiner;
         if (!isHeld)
