@@ -75,12 +75,7 @@ std::shared_ptr<const SampledForm> sampleHeights(const TriangleMesh& mesh, Heigh
         return nullptr;
     const auto form = std::make_shared<SampledForm>();
     form->side = side;
-    glm::dvec3 low(mesh.vertices.front()), high = low;
-    for (const glm::vec3& vertex : mesh.vertices)
-    {
-        low = glm::min(low, glm::dvec3(vertex));
-        high = glm::max(high, glm::dvec3(vertex));
-    }
+    const auto [low, high] = mesh.box();
     const glm::dvec3 size = glm::max(high - low, glm::dvec3(1.0e-6));
     form->centre = 0.5 * (low + high);
     form->low = low - form->centre;

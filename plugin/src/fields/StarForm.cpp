@@ -215,12 +215,7 @@ std::shared_ptr<const SampledForm> sampleStar(const TriangleMesh& mesh, int side
         return nullptr;
     const auto form = std::make_shared<SampledForm>();
     form->side = side;
-    glm::dvec3 low(mesh.vertices.front()), high = low;
-    for (const glm::vec3& vertex : mesh.vertices)
-    {
-        low = glm::min(low, glm::dvec3(vertex));
-        high = glm::max(high, glm::dvec3(vertex));
-    }
+    const auto [low, high] = mesh.box();
     form->centre = centreOf(mesh, low, high);
     form->low = low - form->centre;
     form->high = high - form->centre;

@@ -21,4 +21,15 @@ std::string TriangleMesh::complaint() const
     return {};
 }
 
+std::array<glm::dvec3, 2> TriangleMesh::box() const
+{
+    glm::dvec3 low(vertices.front()), high = low;
+    for (const glm::vec3& vertex : vertices)
+    {
+        low = glm::min(low, glm::dvec3(vertex));
+        high = glm::max(high, glm::dvec3(vertex));
+    }
+    return {low, high};
+}
+
 } // namespace osgTerrainLight

@@ -20,6 +20,9 @@ struct TriangleMesh
     /// Why no field can be made of this mesh: it has no triangle, an index is beyond the vertices,
     /// or a vertex is not finite. Empty where none of that holds.
     std::string complaint() const;
+
+    /// Corners of the box about its vertices. Precondition: there are some.
+    std::array<glm::dvec3, 2> box() const;
 };
 
 } // namespace osgTerrainLight

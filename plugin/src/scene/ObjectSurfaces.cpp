@@ -1,6 +1,7 @@
 #include "scene/ObjectSurfaces.h"
 
 #include "core/ConeSet.h"
+#include "lighting/LampUniforms.h"
 #include "scene/ObjectField.h"
 #include "scene/ShadingBinding.h"
 
@@ -122,6 +123,45 @@ osg::Vec3f groundPlane(const SceneTile& tile, const osg::Vec3d& place, const glm
     return {static_cast<float>(up), static_cast<float>(east), static_cast<float>(north)};
 }
 
+/// With the maps of a probe.
+osg::ref_ptr<osg::StateSet> stateSetOf(const LightProbe& probe, bool hasVolume)
+{
+    const osg::ref_ptr<osg::StateSet> made = new osg::StateSet;
+    made->setTextureAttribute(LightProbe::diffuseUnit, probe.getDiffuseMap());
+    made->setTextureAttribute(LightProbe::glossyUnit, probe.getGlossyMap());
+    made->addUniform(new osg::Uniform("osgTerrainLight_objectLit", true));
+    made->addUniform(new osg::Uniform("osgTerrainLight_hasObjectVolume", hasVolume));
+    return made;
+}
+
+void addVolume(osg::StateSet& stateSet, osg::Texture& volume, const ObjectCluster& cluster)
+{
+    stateSet.setTextureAttribute(PlacedObject::volumeUnit, &volume);
+    const osg::ref_ptr<osg::Uniform> field =
+        new osg::Uniform(osg::Uniform::FLOAT_VEC4, "osgTerrainLight_objectField", 3);
+    field->setElement(0, vector(cluster.voxel * glm::dvec3(cluster.voxels), cluster.voxel));
+    field->setElement(
+        1, vector(cluster.content.low - cluster.origin, cluster.voxel * ObjectCluster::reach));
+    field->setElement(2, vector(cluster.content.high - cluster.origin, 0.0));
+    stateSet.addUniform(field);
+}
+
+/// What objects send.
+void addLight(osg::StateSet& stateSet, const TileLight::ObjectRadiosity& radiosity,
+              const osg::Vec3f& plane, const std::vector<ObjectLamp>& lamps)
+{
+    stateSet.addUniform(
+        new osg::Uniform("osgTerrainLight_hasObjectRadiosity", radiosity.sent.valid()));
+    if (radiosity.sent)
+    {
+        stateSet.setTextureAttribute(PlacedObject::radiosityUnit, radiosity.sent);
+        stateSet.setTextureAttribute(PlacedObject::groundUnit, radiosity.groundShare);
+        stateSet.addUniform(new osg::Uniform("osgTerrainLight_objectPlane", plane));
+    }
+    for (const auto& uniform : lampUniforms(lamps, "osgTerrainLight_"))
+        stateSet.addUniform(uniform);
+}
+
 } // namespace
 
 ObjectState::ObjectState() : program(new osg::StateSet), programOnly(new osg::StateSet)
@@ -171,6 +211,13 @@ void ObjectState::set(double sunRadius, int coneCount)
         new osg::Uniform(PlacedObject::groundSampler, static_cast<int>(PlacedObject::groundUnit)));
     cones->addUniform(new osg::Uniform("osgTerrainLight_objectLit", false));
     cones->setMode(GL_TEXTURE_CUBE_MAP_SEAMLESS, osg::StateAttribute::ON);
+}
+
+bool ObjectSurface::Light::isAs(const Light& other) const
+{
+    return node == other.node && radiosity == other.radiosity && lamps == other.lamps &&
+           (plane - other.plane).length() < 0.01f && content.low == other.content.low &&
+           content.high == other.content.high;
 }
 
 const ObjectSurface::Light* ObjectSurface::lightIn(unsigned context) const
@@ -287,109 +334,66 @@ void ObjectSurfaces::followProbe(ObjectSurface& surface, const ObjectBounds& bou
     surface._tile = tile->handle;
 }
 
-void ObjectSurfaces::followVolume(ObjectSurface& surface, const Seen& seen,
-                                  const ObjectLight& light, const TileRegistry& tiles)
+/// Whether there is a probe; its maps are in the light without a volume.
+bool ObjectSurfaces::followOpen(ObjectSurface& surface)
 {
-    const auto stateSet = [&]
-    {
-        const osg::ref_ptr<osg::StateSet> made = new osg::StateSet;
-        made->setTextureAttribute(LightProbe::diffuseUnit, surface._probe->getDiffuseMap());
-        made->setTextureAttribute(LightProbe::glossyUnit, surface._probe->getGlossyMap());
-        made->addUniform(new osg::Uniform("osgTerrainLight_objectLit", true));
-        return made;
-    };
-    using Light = ObjectSurface::Light;
     if (!surface._probe)
     {
         surface._own = surface._former = surface._open = {};
+        return false;
+    }
+    const osg::StateSet* before = surface._open.stateSet;
+    const osg::Texture* map = surface._probe->getDiffuseMap();
+    if (before &&
+        before->getTextureAttribute(LightProbe::diffuseUnit, osg::StateAttribute::TEXTURE) == map)
+        return true;
+    surface._own = surface._former = surface._open = {};
+    surface._open.stateSet = stateSetOf(*surface._probe, false);
+    surface._open.origin = surface._middle;
+    return true;
+}
+
+void ObjectSurfaces::followVolume(ObjectSurface& surface, const Seen& seen,
+                                  const ObjectLight& light, const TileRegistry& tiles)
+{
+    if (!followOpen(surface))
         return;
-    }
-    const bool isOther =
-        !surface._open.stateSet || surface._open.stateSet->getTextureAttribute(
-                                       LightProbe::diffuseUnit, osg::StateAttribute::TEXTURE) !=
-                                       surface._probe->getDiffuseMap();
-    if (isOther)
+    const auto holds = [&](const ObjectLight::Placed& placed)
     {
-        surface._own = surface._former = {};
-        surface._open = {stateSet(), nullptr, {}, {}, {}, surface._middle};
-        surface._open.stateSet->addUniform(
-            new osg::Uniform("osgTerrainLight_hasObjectVolume", false));
-    }
-    const auto found = std::find_if(light.placed().begin(), light.placed().end(),
-                                    [&](const ObjectLight::Placed& placed)
-                                    {
-                                        const auto& shapes = placed.cluster.shapes;
-                                        return seen.shape && std::find(shapes.begin(), shapes.end(),
-                                                                       *seen.shape) != shapes.end();
-                                    });
+        const auto& shapes = placed.cluster.shapes;
+        return seen.shape && std::find(shapes.begin(), shapes.end(), *seen.shape) != shapes.end();
+    };
+    const auto found = std::find_if(light.placed().begin(), light.placed().end(), holds);
     if (found == light.placed().end())
     {
         surface._own = surface._former = {};
         return;
     }
-    const ObjectCluster& cluster = found->cluster;
     // The one before is read until the own one is there.
     if (found->node != surface._own.node && surface._own.stateSet)
         surface._former = surface._own;
     else if (surface._former.node && surface._own.stateSet &&
              found->node->isWrittenWhere(*surface._former.node))
         surface._former = {};
-    osg::Texture* volume = found->node->volume()->texture();
-    const SceneTile* tile = tiles.find(surface._tile);
-    TileLight::ObjectRadiosity radiosity;
-    if (tile && tile->lit)
-        radiosity =
-            tile->lit->lighting().objectRadiosity(*found->node->volume(), tile->lit->litContexts());
-    osg::Vec3f plane;
-    if (radiosity.sent)
-        plane = groundPlane(*tile, surface._middle, cluster.origin);
-    const double shift = double((plane - surface._own.plane).length());
-    if (surface._own.stateSet && found->node == surface._own.node && shift < 0.01 &&
-        radiosity == surface._own.radiosity && found->lamps == surface._own.lamps &&
-        cluster.content.low == surface._content.low &&
-        cluster.content.high == surface._content.high)
+    ObjectSurface::Light now;
+    now.node = found->node;
+    now.lamps = found->lamps;
+    now.content = found->cluster.content;
+    now.origin = vector(found->cluster.origin);
+    Resource& volume = *found->node->volume();
+    if (const SceneTile* tile = tiles.find(surface._tile); tile && tile->lit)
+        now.radiosity = tile->lit->lighting().objectRadiosity(volume, tile->lit->litContexts());
+    if (now.radiosity.sent)
+        now.plane = groundPlane(*tiles.find(surface._tile), surface._middle, found->cluster.origin);
+    if (surface._own.stateSet && now.isAs(surface._own))
         return;
-    surface._own =
-        Light{nullptr, found->node, radiosity, found->lamps, plane, vector(cluster.origin)};
-    if (!volume) // not computed anywhere yet
-        return;
-    surface._content = cluster.content;
-    const osg::ref_ptr<osg::StateSet> made = stateSet();
-    made->setTextureAttribute(PlacedObject::volumeUnit, volume);
-    made->addUniform(new osg::Uniform("osgTerrainLight_hasObjectVolume", true));
-    made->addUniform(
-        new osg::Uniform("osgTerrainLight_hasObjectRadiosity", radiosity.sent.valid()));
-    if (radiosity.sent)
+    if (volume.texture()) // else not computed anywhere yet
     {
-        made->setTextureAttribute(PlacedObject::radiosityUnit, radiosity.sent);
-        made->setTextureAttribute(PlacedObject::groundUnit, radiosity.groundShare);
-        made->addUniform(new osg::Uniform("osgTerrainLight_objectPlane", plane));
+        now.stateSet = stateSetOf(*surface._probe, true);
+        addVolume(*now.stateSet, *volume.texture(), found->cluster);
+        addLight(*now.stateSet, now.radiosity, now.plane, now.lamps);
     }
-    const osg::ref_ptr<osg::Uniform> field =
-        new osg::Uniform(osg::Uniform::FLOAT_VEC4, "osgTerrainLight_objectField", 3);
-    field->setElement(0, vector(cluster.voxel * glm::dvec3(cluster.voxels), cluster.voxel));
-    field->setElement(
-        1, vector(cluster.content.low - cluster.origin, cluster.voxel * ObjectCluster::reach));
-    field->setElement(2, vector(cluster.content.high - cluster.origin, 0.0));
-    made->addUniform(field);
-    made->addUniform(
-        new osg::Uniform("osgTerrainLight_lampCount", static_cast<int>(found->lamps.size())));
-    if (!found->lamps.empty())
-    {
-        const auto most = static_cast<int>(ObjectLamp::most);
-        const osg::ref_ptr<osg::Uniform> lamps =
-            new osg::Uniform(osg::Uniform::FLOAT_VEC4, "osgTerrainLight_lamps", most);
-        const osg::ref_ptr<osg::Uniform> radiances =
-            new osg::Uniform(osg::Uniform::FLOAT_VEC3, "osgTerrainLight_lampRadiances", most);
-        for (unsigned i = 0; i < found->lamps.size(); ++i)
-        {
-            lamps->setElement(i, vector(found->lamps[i].centre, found->lamps[i].radius));
-            radiances->setElement(i, osg::Vec3f(vector(found->lamps[i].radiance)));
-        }
-        made->addUniform(lamps);
-        made->addUniform(radiances);
-    }
-    surface._own.stateSet = made;
+    surface._own = now;
 }
 
 void ObjectSurfaces::follow(const std::vector<Seen>& seen, const ObjectLight& light,

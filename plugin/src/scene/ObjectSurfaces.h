@@ -67,7 +67,11 @@ private:
         TileLight::ObjectRadiosity radiosity; ///< of the volume
         std::vector<ObjectLamp> lamps;        ///< in it
         osg::Vec3f plane;                     ///< of the ground, where there is radiosity
+        ObjectBounds content;                 ///< of the volume
         osg::Vec3d origin;                    ///< of the volume, in the scene
+
+        /// Drawn with the same, but for a centimetre of the ground.
+        bool isAs(const Light& other) const;
     };
     const Light* lightIn(unsigned context) const;
 
@@ -79,7 +83,6 @@ private:
     osg::Vec3d _probeCorner; ///< of the tile's post (0, 0) at its heightOrigin, for the probe
     /// In its volume; in the one before, until that is there; and without one.
     Light _own, _former, _open;
-    ObjectBounds _content; ///< that _own knows
     osg::Vec3f _emission;
     enum class Materials
     {
@@ -123,6 +126,7 @@ private:
     osg::ref_ptr<ObjectSurface> surfaceOf(const Seen& seen, std::vector<Object>& before) const;
     static void followProbe(ObjectSurface& surface, const ObjectBounds& bounds,
                             const TileRegistry& tiles, ProbeList& probes);
+    static bool followOpen(ObjectSurface& surface);
     static void followVolume(ObjectSurface& surface, const Seen& seen, const ObjectLight& light,
                              const TileRegistry& tiles);
 

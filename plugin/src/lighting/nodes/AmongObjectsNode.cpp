@@ -2,6 +2,7 @@
 
 #include "core/ConeSet.h"
 #include "fields/ObjectClusters.h"
+#include "lighting/LampUniforms.h"
 
 #include <cmath>
 
@@ -86,19 +87,8 @@ bool AmongObjectsNode::setObject(const osg::State& state, const TileObject& obje
     _pass->set("reach", static_cast<float>(object.voxel * ObjectCluster::reach));
     _pass->set("contentLow", vector(object.low - object.corner));
     _pass->set("contentHigh", vector(object.high - object.corner));
-    const osg::ref_ptr<osg::Uniform> lamps =
-        new osg::Uniform(osg::Uniform::FLOAT_VEC4, "lamps", static_cast<int>(ObjectLamp::most));
-    const osg::ref_ptr<osg::Uniform> radiances = new osg::Uniform(
-        osg::Uniform::FLOAT_VEC3, "lampRadiances", static_cast<int>(ObjectLamp::most));
-    for (unsigned i = 0; i < object.lamps.size(); ++i)
-    {
-        const ObjectLamp& lamp = object.lamps[i];
-        lamps->setElement(i, osg::Vec4f(vector(lamp.centre), static_cast<float>(lamp.radius)));
-        radiances->setElement(i, vector(lamp.radiance));
-    }
-    _pass->set(lamps);
-    _pass->set(radiances);
-    _pass->set("lampCount", static_cast<int>(object.lamps.size()));
+    for (const auto& uniform : lampUniforms(object.lamps))
+        _pass->set(uniform.get());
     _pass->reads("volume", object.volume);
     const osg::Texture* volume = object.volume->texture();
     return volume && volume->getTextureObject(state.getContextID());
