@@ -5,6 +5,7 @@
 #include "fields/SurfaceDistance.h"
 #include "reference/PathTracer.h"
 #include "support/ConeLight.h"
+#include "support/GlslForm.h"
 #include "support/SampledBodies.h"
 
 #include <gtest/gtest.h>
@@ -226,24 +227,6 @@ std::vector<Errors> report(const std::string& what, const std::vector<Method>& m
     return errors;
 }
 
-G::SampledForm glslForm(const SampledForm& form)
-{
-    G::SampledForm own;
-    own.row = 0;
-    own.side = form.side;
-    own.first = form.first;
-    own.spacing = form.spacing;
-    own.range = form.range;
-    return own;
-}
-
-Raster<double> inDouble(const Raster<float>& values)
-{
-    Raster<double> same(values.width(), values.height());
-    std::copy(values.values().begin(), values.values().end(), same.values().begin());
-    return same;
-}
-
 } // namespace
 
 // Asked: what is asked of cones among boxes, 4 % of open level ground's light. The last row of each
@@ -264,7 +247,7 @@ TEST(FormLight, OfADeformingStar)
             body.isInside = [&](const glm::dvec3& own)
             { return glm::length(own) < blob.radius(glm::normalize(own)); };
             const Raster<double> radii = inDouble(body.form->values);
-            const G::SampledForm form = glslForm(*body.form);
+            const G::SampledForm form = glslForm<G>(*body.form);
             const glm::dvec3 centre = body.form->centre;
             methods = {
                 {"formula alone",
@@ -398,7 +381,7 @@ TEST(FormLight, OfHeightFields)
                            own.z < mound.top(own.x, own.y) && own.z > mound.bottom(own.x, own.y);
                 };
                 const Raster<double> heights = inDouble(body.form->values);
-                const G::SampledForm form = glslForm(*body.form);
+                const G::SampledForm form = glslForm<G>(*body.form);
                 const glm::dvec3 centre = body.form->centre;
                 const auto by = [&](double width)
                 {

@@ -321,15 +321,22 @@ TEST(ObjectLight, BeforeAWallItIsDarkestAtTheFootAndHasNoHalo)
     EXPECT_LE(std::sqrt(sum), 0.04);
 }
 
+namespace
+{
+CheckedGlsl<double>::DistanceField checkedFieldOf(const Scene& scene)
+{
+    const auto given = fieldOf<double>(scene);
+    return {given.size, given.voxel, given.reach, given.low, given.high};
+}
+} // namespace
+
 // The shadow of a box 3 m high under a sun of 45 degrees ends 3 m behind it.
 TEST(ObjectLight, TheSunsShadowEndsWithinAVoxel)
 {
     CheckedGlsl<double> glsl;
     const Scene scene = {{{16, 16, 1.5}, {2, 2, 1.5}, 0.0}};
     const auto volume = volumeOf<double>(scene);
-    const auto given = fieldOf<double>(scene);
-    CheckedGlsl<double>::DistanceField field{given.size, given.voxel, given.reach, given.low,
-                                             given.high};
+    const auto field = checkedFieldOf(scene);
     const double sine = std::sin(0.2666 * pi / 180.0);
     const glm::dvec3 up(0, 0, 1), sun = glm::normalize(glm::dvec3(1, 0, 1));
     const auto seen = [&](const glm::dvec3& place)
@@ -409,9 +416,7 @@ TEST(ObjectLight, OfALampIsThatOfASphere)
     CheckedGlsl<double> glsl;
     const Scene scene = {{{16, 16, 20.0}, {0.5, 0.5, 0.5}, 0.0}};
     const auto volume = volumeOf<double>(scene);
-    const auto given = fieldOf<double>(scene);
-    CheckedGlsl<double>::DistanceField field{given.size, given.voxel, given.reach, given.low,
-                                             given.high};
+    const auto field = checkedFieldOf(scene);
     const glm::dvec3 place(16, 16, 1), normal(0, 0, 1);
     for (const double away : {1.5, 3.0, 8.0})
         for (const double elevation : {-20.0, -5.0, 0.0, 5.0, 20.0, 60.0, 90.0})

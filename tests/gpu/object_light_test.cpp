@@ -7,6 +7,7 @@
 #include "lighting/nodes/ObjectVolumeNode.h"
 #include "reference/PathTracer.h"
 #include "support/GlContext.h"
+#include "support/GlslForm.h"
 #include "support/Precisions.h"
 #include "support/SampledBodies.h"
 
@@ -170,14 +171,8 @@ double formDistance(const ObjectShape& shape, const glm::dvec3& place, double re
 {
     using G = CheckedGlsl<double>;
     const SampledForm& form = *shape.form;
-    Raster<double> values(form.values.width(), form.values.height());
-    std::copy(form.values.values().begin(), form.values.values().end(), values.values().begin());
-    G::SampledForm own;
-    own.row = 0;
-    own.side = form.side;
-    own.first = form.first;
-    own.spacing = form.spacing;
-    own.range = form.range;
+    const Raster<double> values = inDouble(form.values);
+    const G::SampledForm own = glslForm<G>(form);
     const RigidShape frame = rigid(shape);
     const glm::dvec3 p(frame.fromScene * glm::dvec4(place, 1.0));
     return frame.scale * (shape.kind == ObjectShape::Kind::Star

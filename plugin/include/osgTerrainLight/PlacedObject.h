@@ -68,7 +68,8 @@ public:
     Field getField() const;
 
     /// Says that what is below has changed its form, or its materials. Without it only a change of
-    /// the bounding sphere is seen; of Star, HeightField and TwoHeightFields every change is.
+    /// the bounding sphere is seen; of Star, HeightField and TwoHeightFields every change of form
+    /// is.
     void dirtyField();
 
     /// Sets the albedo of its surfaces, linear, 0 … 1 in each colour: with

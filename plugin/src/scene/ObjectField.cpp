@@ -100,8 +100,8 @@ struct AddColour
 class PartCollector : public osg::NodeVisitor
 {
 public:
-    explicit PartCollector(bool triangles)
-        : osg::NodeVisitor(TRAVERSE_ACTIVE_CHILDREN), _triangles(triangles)
+    PartCollector(bool triangles, bool colours)
+        : osg::NodeVisitor(TRAVERSE_ACTIVE_CHILDREN), _triangles(triangles), _wantsColours(colours)
     {
     }
     void apply(osg::Node& node) override
@@ -118,7 +118,7 @@ public:
         toObject = osg::computeLocalToWorld(below);
         last = &drawable;
         ++count;
-        if (const osg::Geometry* geometry = drawable.asGeometry())
+        if (const osg::Geometry* geometry = drawable.asGeometry(); geometry && _wantsColours)
             addColour(*geometry);
         _surface = above;
         if (!_triangles)
@@ -191,7 +191,7 @@ private:
         _area += add.area;
     }
 
-    bool _triangles;
+    bool _triangles, _wantsColours;
     Surface _surface;
     glm::dvec3 _colours{0.0}; ///< times area
     double _area = 0.0;
@@ -295,7 +295,7 @@ void ObjectField::make(osg::Group& object)
     _sampling = nullptr; // of a form that is gone
     _isMesh = false;
     using Field = PlacedObject::Field;
-    PartCollector parts(false);
+    PartCollector parts(false, true);
     object.accept(parts);
     _hasMaterials = parts.hasMaterials;
     _ownMaterials = parts.ownMaterials;
@@ -346,18 +346,19 @@ void ObjectField::followForm(osg::Group& object)
 
 void ObjectField::sampleForm(osg::Group& object, PlacedObject::Field as)
 {
-    PartCollector parts(true);
+    const bool isNew = _sampled.empty();
+    PartCollector parts(true, isNew);
     // About the same place as long as it is within the object, so that triangles compare.
     const osg::BoundingSphere& bound = object.getBound();
-    if (_sampled.empty() ||
-        (osg::Vec3d(bound.center()) - _middle).length() > double(bound.radius()))
+    if (isNew || (osg::Vec3d(bound.center()) - _middle).length() > double(bound.radius()))
         _middle = bound.center();
     parts.middle = _middle;
     object.accept(parts);
     _hasMaterials = parts.hasMaterials;
     _ownMaterials = parts.ownMaterials;
-    _drawnAlbedo = parts.albedo();
-    if (!_sampled.empty() && parts.mesh.vertices == _sampled)
+    if (isNew)
+        _drawnAlbedo = parts.albedo();
+    else if (parts.mesh.vertices == _sampled)
         return;
     using Field = PlacedObject::Field;
     const std::shared_ptr<const SampledForm> form =
@@ -378,7 +379,7 @@ void ObjectField::sampleForm(osg::Group& object, PlacedObject::Field as)
 
 void ObjectField::startSampling(osg::Group& object)
 {
-    PartCollector parts(true);
+    PartCollector parts(true, false);
     _middle = object.getBound().center();
     parts.middle = _middle;
     object.accept(parts);
