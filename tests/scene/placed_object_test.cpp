@@ -477,6 +477,41 @@ TEST(PlacedObject, TwoShadowsTakeTheSunOnce)
     EXPECT_NEAR(plain.lightAt(-22.0, 0.0), alone, 0.02 * open);
 }
 
+// Two lamps 40 m apart, whose volumes are two: far between them the light of both is that of one
+// and of the other. Expected of each: the closed form of a sphere, radiance times (radius over
+// distance) squared times the cosine; the lamp is 20 m away, many times its height.
+TEST(PlacedObject, LampsShineFarAndAddUp)
+{
+    OTL_NEED_GL(context);
+    SkyLight dusk = uniformSky();
+    dusk.skyRadiance = {0.02f, 0.02f, 0.02f};
+    const auto lamp = [](double east)
+    {
+        const osg::ref_ptr<osg::Geode> geode = new osg::Geode;
+        geode->addDrawable(
+            new osg::ShapeDrawable(new osg::Sphere(osg::Vec3(float(east), 0.0f, 3.0f), 0.4f)));
+        geode->setNodeMask(1u); // is not drawn
+        const osg::ref_ptr<PlacedObject> object = new PlacedObject;
+        object->addChild(geode);
+        return object;
+    };
+    const osg::ref_ptr<PlacedObject> west = lamp(-20.0), east = lamp(20.0);
+    Plain plain(west, dusk);
+    plain.lighting->addChild(east);
+    plain.picture->draw(4);
+    const double dark = plain.lightAt(0.0, 0.0);
+    EXPECT_NEAR(dark, 0.02, 0.002);
+    west->setEmission({2500.0f, 2500.0f, 2500.0f});
+    plain.picture->draw(4);
+    const double away = std::hypot(20.0, 3.0);
+    const double one = 2500.0 * 0.16 * 3.0 / (away * away * away);
+    // A step of 8 bits is 0.005 there.
+    EXPECT_NEAR(plain.lightAt(0.0, 0.0) - dark, one, 0.01);
+    east->setEmission({2500.0f, 2500.0f, 2500.0f});
+    plain.picture->draw(4);
+    EXPECT_NEAR(plain.lightAt(0.0, 0.0) - dark, 2.0 * one, 0.01);
+}
+
 // Expected: after the second thousand frames what was held after the first, and nothing more.
 TEST(PlacedObject, TwoThousandFramesOfComingAndGoingLeaveNothing)
 {
